@@ -1,0 +1,90 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the reference reader over the corpus: verdict, rule and decoded bytes of every file. Exit
+code 1 and a list if any differs. With file names as arguments: prints the verdict for each."""
+
+import hashlib
+import json
+import os
+import sys
+
+sys.dont_write_bytecode = True
+
+import ztexref
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+
+
+def load(folder: str, name: str) -> bytes:
+    with open(os.path.join(ROOT, folder, name), "rb") as f:
+        return f.read()
+
+
+def sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def check_valid(entry: dict) -> list:
+    data = load("valid", entry["file"])
+    try:
+        z = ztexref.read(data)
+    except ztexref.Fault as fault:
+        return ["refused: %s" % fault]
+    problems = [] if sha256(data) == entry["sha256"] else ["sha256 of the file"]
+    problems += ["warning " + w for w in z.warnings]
+    if (len(z.textures), len(z.images)) != (entry["textures"], entry["images"]):
+        problems.append("counts")
+    decoded = [{"image": i, "level": k, "sha256": sha256(d)} for i, m in enumerate(z.images) for k,
+               d in enumerate(m.decoded)]
+    if decoded != entry["decoded"]:
+        problems.append("decoded levels")
+    planes = [sha256(t.elements) for t in z.textures if t.kind == 1]
+    if planes != [p["sha256"] for p in entry.get("planes", [])]:
+        problems.append("decoded planes")
+    return problems
+
+
+def check_invalid(entry: dict) -> list:
+    data = load("invalid", entry["file"])
+    problems = [] if sha256(data) == entry["sha256"] else ["sha256 of the file"]
+    try:
+        z = ztexref.read(data)
+    except ztexref.Fault as fault:
+        if entry["severity"] != "error" or fault.rule not in [entry["rule"]] + entry.get("also",
+                []):
+            problems.append("refused for %s" % fault)
+        return problems
+    if entry["severity"] != "warning":
+        problems.append("accepted")
+    elif z.warnings != [entry["rule"]]:
+        problems.append("warnings: %s" % z.warnings)
+    return problems
+
+
+def main() -> int:
+    if len(sys.argv) > 1:
+        for name in sys.argv[1:]:
+            with open(name, "rb") as f:
+                try:
+                    ztexref.read(f.read())
+                    print("%s: valid" % name)
+                except ztexref.Fault as fault:
+                    print("%s: %s" % (name, fault))
+        return 0
+    count = failures = 0
+    for folder, check in (("valid", check_valid), ("invalid", check_invalid)):
+        for entry in json.loads(load(folder, "manifest.json")):
+            count += 1
+            try:
+                problems = check(entry)
+            except Exception as error:          # a reader may refuse, never fail
+                problems = ["%s: %s" % (type(error).__name__, error)]
+            failures += bool(problems)
+            for p in problems:
+                print("%s/%s: %s" % (folder, entry["file"], p))
+    print("reference reader: %d files, %d failures" % (count, failures))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * libzt: reading and sampling .ztex texture files. Writing is in zt_write.h, checking in zt_check.h.
+ *
+ * A complete program, which the tests compile and run:
+ *
+ *     #include <stdio.h>
+ *     #include <zt/zt.h>
+ *
+ *     int main(int argc, char **argv)
+ *     {
+ *         zt_diag diag = {0};
+ *         zt_file *file = NULL;
+ *         if (argc != 2)
+ *             return 1;
+ *         if (zt_open_path(argv[1], NULL, &diag, &file) != ZT_OK) {
+ *             fprintf(stderr, "%s: %s\n", argv[1], diag.text);
+ *             return 1;
+ *         }
+ *         zt_image_info image;
+ *         zt_get_image(file, 0, &image);
+ *         printf("%u x %u texels, %u levels\n", image.width, image.height, image.levels);
+ *
+ *         zt_sampler *sampler = NULL;
+ *         if (zt_sampler_open(file, 0, NULL, &diag, &sampler) == ZT_OK) {
+ *             zt_point middle = {.u = 0.5, .v = 0.5};
+ *             float rgba[4];
+ *             if (zt_sample(sampler, &middle, 1, rgba, &diag) == ZT_OK)
+ *                 printf("in the middle %.3f %.3f %.3f\n", rgba[0], rgba[1], rgba[2]);
+ *             zt_sampler_close(sampler);
+ *         }
+ *         zt_close(file);
+ *         return 0;
+ *     }
+ *
+ * What holds everywhere:
+ * - Threads. A zt_file and a zt_sampler do not change after they are opened (what they load on first touch is published
+ *   atomically): any number of threads may use one at once. Closing comes after the last use. There is no global state.
+ * - Results. Every function that can fail returns a zt_result, which says what to do now. A zt_diag of the caller's,
+ *   which may be NULL, says what was wrong and where: the call clears it and the first error wins.
+ * - Out-parameters are set to NULL or zero on failure.
+ * - Pointers. Arguments are not NULL unless their note says so. Strings that are returned belong to the file and live
+ *   until zt_close(). Memory that the caller hands in stays the caller's.
+ * - Option and info structs. All-zero options, or NULL, mean the defaults.
+ * - Units. Sizes and pitches count bytes, dimensions texels, indices from 0. Texture coordinates run from 0 to 1, u to
+ *   the right, v down, (0, 0) being the outer corner of the first texel. Matrices are row-major. Texels are little-endian
+ *   on every machine.
+ * - Untrusted files. Every function may be given any bytes. zt_limits apply before memory is allocated.
+ * Rule numbers, chunks and fields are those of spec/ztex.md and spec/zipmap.md.
+ */
+#ifndef ZT_ZT_H
+#define ZT_ZT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define ZT_VERSION_MAJOR 0
+#define ZT_VERSION_MINOR 1
+#define ZT_VERSION_PATCH 0
+
+#ifndef ZT_API
+#if defined(_WIN32) && defined(ZT_SHARED) && defined(ZT_BUILDING)
+#define ZT_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(ZT_SHARED)
+#define ZT_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define ZT_API __attribute__((visibility("default")))
+#else
+#define ZT_API
+#endif
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* "0.1.0": the version of the library that runs, which may differ from the macros above. */
+ZT_API const char *zt_version_string(void);
+
+/* ---- results and diagnostics ---- */
+
+typedef enum zt_result {
+    ZT_OK = 0,
+    ZT_AGAIN = 1,        /* the io has not got these bytes yet: fetch diag.offset, diag.size, then call again */
+    ZT_BAD_ARGUMENT = 2, /* the call is wrong: mend the program */
+    ZT_NO_MEMORY = 3,    /* the allocator said no */
+    ZT_IO = 4,           /* reading or writing failed: diag.text has the system's reason */
+    ZT_NOT_ZTEX = 5,     /* another kind of file */
+    ZT_CORRUPT = 6,      /* the file breaks a rule of the format: diag.rule */
+    ZT_TRUNCATED = 7,    /* the file ends too early: get the rest, or open with ZT_OPEN_BEST_EFFORT */
+    ZT_UNSUPPORTED = 8,  /* valid, or of a later version, but not for this library: diag.text names what */
+    ZT_LIMIT = 9,        /* over one of the caller's zt_limits: diag.text names which */
+    ZT_CANCELLED = 10,   /* a callback of the caller's asked to stop */
+    ZT_INTERNAL = 11     /* a bug in libzt: please report it */
+} zt_result;
+
+/* "corrupt file" and the like, in English, without a final stop. Never NULL. */
+ZT_API const char *zt_result_text(zt_result result);
+
+typedef struct zt_diag {
+    zt_result result;
+    uint32_t rule;   /* number in the specification's margin, or in the band of limits (1001 to 1999); 0: none */
+    uint64_t offset; /* of the first wrong byte in the file; UINT64_MAX when there is none */
+    uint64_t size;   /* ZT_AGAIN: how many bytes from offset are wanted */
+    char path[64];   /* where, for people: "IMAG/image 3/unit 0", empty when unknown */
+    char text[256];  /* one sentence: what is wrong. Printable ASCII, always NUL-terminated */
+} zt_diag;
+
+/* ---- what the caller may provide ---- */
+
+typedef struct zt_allocator {
+    void *user;
+    void *(*alloc)(void *user, size_t size);          /* size > 0; aligned like malloc; NULL: no memory */
+    void (*free)(void *user, void *ptr, size_t size); /* ptr is not NULL; size as in alloc */
+} zt_allocator;
+
+/* Random access reading. Called from any thread that uses the file, also several at once. */
+typedef struct zt_io {
+    void *user;
+    /* Fills dst with size bytes from offset. ZT_OK: all of them. ZT_AGAIN: not here yet. ZT_IO: failed. Never short. */
+    zt_result (*read_at)(void *user, uint64_t offset, void *dst, size_t size);
+    uint64_t size; /* of the file, in bytes */
+} zt_io;
+
+/* Ceilings; 0 means the default named beside each. There is no "unlimited": give a large number. */
+typedef struct zt_limits {
+    uint64_t file_size;     /* 2^40 */
+    uint64_t memory;        /* bytes allocated at once for one file, its samplers and their calls; 2^30 */
+    uint64_t metadata;      /* decoded bytes of META; 2^24 */
+    uint32_t chunks;        /* 65535 */
+    uint32_t textures;      /* 65536 */
+    uint32_t images;        /* 2^20 */
+    uint32_t dimension;     /* width, height and depth; 2^20 */
+    uint32_t layers;        /* array layers of an image; 2^16 */
+    uint32_t patches;       /* of one zipmap; 2^20 */
+    uint32_t tile_size;     /* decoded bytes of a tile or a mip tail; 2^26 */
+    uint32_t texture_depth; /* textures shown by patches of textures; 8 */
+} zt_limits;
+
+/* Runs task(context, i, worker) for every i below count, in any order and on any thread, and returns when all are done.
+ * worker < workers; two tasks that run at the same time have different workers. */
+typedef struct zt_parallel {
+    void *user;
+    void (*run)(void *user, size_t count, void (*task)(void *context, size_t index, unsigned worker), void *context);
+    unsigned workers; /* 1 to 256 */
+} zt_parallel;
+
+/* A ready-made pool of POSIX threads. thread_count 0: as many as the machine has processors.
+ * Errors: ZT_BAD_ARGUMENT (more than 256), ZT_NO_MEMORY (no memory or no threads). */
+typedef struct zt_threads zt_threads;
+ZT_API zt_result zt_threads_open(unsigned thread_count, zt_threads **out);
+ZT_API zt_parallel zt_threads_parallel(zt_threads *threads); /* valid until zt_threads_close */
+ZT_API void zt_threads_close(zt_threads *threads);           /* NULL is allowed */
+
+/* ---- opening ---- */
+
+typedef struct zt_file zt_file;
+
+enum {
+    ZT_OPEN_BEST_EFFORT = 1 /* accept a file whose end is missing: see zt_level_state */
+};
+
+typedef struct zt_open_options {
+    size_t size;                   /* sizeof(zt_open_options), or 0 */
+    const zt_allocator *allocator; /* NULL: malloc. The allocator's functions must live as long as the file */
+    const zt_limits *limits;       /* NULL: defaults. Copied */
+    uint32_t flags;                /* ZT_OPEN_... */
+} zt_open_options;
+
+/* Opens a file: checks preamble, directory, textures, images and patches (not the texels). options and diag may be
+ * NULL. Errors: all but ZT_CANCELLED. *out is NULL on failure. zt_open_memory does not copy: data must stay until
+ * zt_close. zt_open_path reads with pread, never maps. zt_open_io copies *io; io->user must live until zt_close. After
+ * ZT_AGAIN provide the bytes and open anew. */
+ZT_API zt_result zt_open_memory(const void *data, size_t size, const zt_open_options *options, zt_diag *diag,
+                                zt_file **out);
+ZT_API zt_result zt_open_path(const char *path, const zt_open_options *options, zt_diag *diag, zt_file **out);
+ZT_API zt_result zt_open_io(const zt_io *io, const zt_open_options *options, zt_diag *diag, zt_file **out);
+ZT_API void zt_close(zt_file *file); /* NULL is allowed */
+
+/* ---- what is in the file ---- */
+
+typedef struct zt_file_info {
+    uint16_t major, minor;
+    uint64_t file_size; /* as the preamble says */
+    uint32_t chunk_count, texture_count, image_count;
+} zt_file_info;
+
+ZT_API void zt_get_file(const zt_file *file, zt_file_info *out);
+
+typedef struct zt_chunk_info {
+    char type[5]; /* NUL-terminated */
+    uint16_t version;
+    uint8_t flags, codec;
+    uint64_t offset; /* of the head in the file; the stored bytes begin 64 behind it */
+    uint64_t stored_size, decoded_size, stored_hash, decoded_hash;
+} zt_chunk_info;
+
+/* Errors of all zt_get_... functions with an index: ZT_BAD_ARGUMENT when it is out of range. */
+ZT_API zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info *out);
+
+/* Reads and decodes any chunk but TEXL; dst_size must be its decoded_size. Checks its hashes. For chunks of types that
+ * libzt does not know. Errors: ZT_BAD_ARGUMENT, ZT_LIMIT (memory), reading and decoding errors. */
+ZT_API zt_result zt_read_chunk(const zt_file *file, uint32_t chunk, void *dst, size_t dst_size, zt_diag *diag);
+
+typedef enum zt_kind { ZT_KIND_IMAGE = 0, ZT_KIND_ZIPMAP = 1 } zt_kind;
+
+typedef enum zt_wrap { ZT_WRAP_REPEAT = 0, ZT_WRAP_MIRROR = 1, ZT_WRAP_CLAMP = 2, ZT_WRAP_BORDER = 3 } zt_wrap;
+
+typedef enum zt_alpha { ZT_ALPHA_NONE = 0, ZT_ALPHA_STRAIGHT = 1, ZT_ALPHA_PREMULTIPLIED = 2 } zt_alpha;
+
+typedef enum zt_layer_kind { ZT_LAYERS_ARRAY = 0, ZT_LAYERS_CUBE = 1, ZT_LAYERS_FRAMES = 2 } zt_layer_kind;
+
+/* spec/registry.md, "Semantics of layers"; other numbers may occur. */
+typedef enum zt_semantic {
+    ZT_SEMANTIC_UNSPECIFIED = 0,
+    ZT_SEMANTIC_BASE_COLOUR = 1,
+    ZT_SEMANTIC_NORMAL = 2,
+    ZT_SEMANTIC_DISPLACEMENT = 3,
+    ZT_SEMANTIC_ROUGHNESS = 4,
+    ZT_SEMANTIC_METALNESS = 5,
+    ZT_SEMANTIC_OCCLUSION = 6,
+    ZT_SEMANTIC_EMISSIVE = 7,
+    ZT_SEMANTIC_OPACITY = 8,
+    ZT_SEMANTIC_SPECULAR = 9,
+    ZT_SEMANTIC_OCCLUSION_ROUGHNESS_METALNESS = 10
+} zt_semantic;
+
+#define ZT_NONE UINT32_C(0xFFFFFFFF) /* no image, no mask */
+
+typedef struct zt_texture_info {
+    const char *name; /* UTF-8, NUL-terminated, may be empty; lives until zt_close */
+    zt_kind kind;
+    zt_wrap wrap_u, wrap_v, wrap_w;
+    uint32_t layer_count;
+    uint32_t patch_count; /* kind zipmap; else 0 */
+} zt_texture_info;
+
+ZT_API zt_result zt_get_texture(const zt_file *file, uint32_t texture, zt_texture_info *out);
+
+/* Index of the texture with this name, or ZT_NONE. */
+ZT_API uint32_t zt_find_texture(const zt_file *file, const char *name);
+
+typedef struct zt_layer_info {
+    uint32_t semantic; /* zt_semantic, or another number */
+    uint32_t image;    /* kind image: its image; else the root's image of this layer */
+} zt_layer_info;
+
+ZT_API zt_result zt_get_layer(const zt_file *file, uint32_t texture, uint32_t layer, zt_layer_info *out);
+
+typedef struct zt_image_info {
+    uint32_t format; /* VkFormat number */
+    uint32_t width, height, depth;
+    uint32_t layers, levels;
+    uint32_t tile_edge; /* in texel blocks */
+    uint8_t block_width, block_height, block_bytes;
+    uint8_t alpha_mode;                              /* zt_alpha */
+    uint8_t layer_kind;                              /* zt_layer_kind */
+    uint8_t primaries, transfer, matrix, full_range; /* CICP */
+    uint32_t tail_level;                             /* first level of the mip tail; levels when there is none */
+} zt_image_info;
+
+ZT_API zt_result zt_get_image(const zt_file *file, uint32_t image, zt_image_info *out);
+
+typedef struct zt_level_info {
+    uint32_t width, height, depth;               /* texels */
+    uint32_t blocks_x, blocks_y;                 /* texel blocks of a slice */
+    uint32_t tiles_x, tiles_y;                   /* tiles of a slice; 1 and 1 in the tail */
+    uint64_t tile_count;                         /* of all slices and layers; 1 in the tail */
+    uint64_t row_size;                           /* bytes of a tight row of blocks */
+    uint64_t slice_size, layer_size, level_size; /* bytes, tight; level_size covers all layers */
+    uint64_t unit_offset, unit_size; /* in the file, index and stored tiles; the levels of the tail share a unit */
+} zt_level_info;
+
+ZT_API zt_result zt_get_level(const zt_file *file, uint32_t image, uint32_t level, zt_level_info *out);
+
+typedef struct zt_tile_info {
+    uint64_t offset; /* of the stored bytes in the file */
+    uint32_t stored_size;
+    uint32_t decoded_size;
+    uint64_t hash; /* XXH3-64 of the decoded bytes */
+    uint8_t codec;
+} zt_tile_info;
+
+/* Reads the level's tile index if it has not been read yet. Errors: ZT_BAD_ARGUMENT; reading errors; ZT_CORRUPT. */
+ZT_API zt_result zt_get_tile(const zt_file *file, uint32_t image, uint32_t level, uint64_t tile, zt_tile_info *out,
+                             zt_diag *diag);
+
+/* ZT_OK when all bytes of the level are in the file, ZT_TRUNCATED when some are missing (ZT_OPEN_BEST_EFFORT), or
+ * ZT_BAD_ARGUMENT. */
+ZT_API zt_result zt_level_state(const zt_file *file, uint32_t image, uint32_t level);
+
+typedef struct zt_patch_info {
+    uint32_t parent;
+    uint32_t texture;      /* index of the texture that the patch shows, or ZT_NONE: it shows images */
+    uint32_t mask;         /* image index or ZT_NONE */
+    double matrix[9];      /* parent coordinates to the patch's, homogeneous, row-major */
+    double root_matrix[9]; /* root coordinates to the patch's: the product along the parents */
+} zt_patch_info;
+
+/* Patches of a zipmap (zipmap.md section 2). Errors: ZT_BAD_ARGUMENT (also for other kinds). */
+ZT_API zt_result zt_get_patch(const zt_file *file, uint32_t texture, uint32_t patch, zt_patch_info *out);
+
+/* The image that a patch shows in a layer, or ZT_NONE (out of range, or the patch shows a texture). */
+ZT_API uint32_t zt_get_patch_image(const zt_file *file, uint32_t texture, uint32_t patch, uint32_t layer);
+
+/* Metadata. zt_load_metadata reads the META chunk on first use (any thread) and gives the number of pairs; 0 without
+ * META. Keys are sorted by bytes. Key and value are UTF-8 and NUL-terminated. */
+ZT_API zt_result zt_load_metadata(const zt_file *file, uint32_t *count, zt_diag *diag);
+ZT_API zt_result zt_get_metadata(const zt_file *file, uint32_t index, const char **key, const char **value);
+/* Value of a key, or NULL when it is not there or the metadata have not been loaded. */
+ZT_API const char *zt_find_metadata(const zt_file *file, const char *key);
+
+/* ---- formats ---- */
+
+typedef struct zt_format_info {
+    uint32_t format;
+    const char *name; /* "R8G8B8A8_SRGB" */
+    uint8_t block_width, block_height, block_bytes;
+    uint8_t channels;     /* 1 to 4 */
+    uint8_t has_alpha;    /* 1: the fourth channel can be coverage */
+    uint8_t is_srgb;      /* 1: the first three channels are sRGB-coded */
+    uint8_t is_plain;     /* 1: uncompressed: can be sampled and mipmapped */
+    uint8_t channel_bits; /* plain formats: 8, 16 or 32; 0 for others and for E5B9G9R9 */
+    uint8_t is_float;     /* half, float, E5B9G9R9, BC6H */
+} zt_format_info;
+
+/* NULL for a number that is not in the registry. */
+ZT_API const zt_format_info *zt_find_format(uint32_t format);
+/* By name, with or without "VK_FORMAT_"; NULL when unknown. */
+ZT_API const zt_format_info *zt_find_format_name(const char *name);
+/* The i-th format in ascending order of numbers, NULL behind the last. */
+ZT_API const zt_format_info *zt_get_format(uint32_t i);
+
+/* Conversion of rows of texels between a plain format's bytes and four floats a texel, as stored (not linearised, alpha
+ * as it is; missing channels 0, missing fourth 1). Packing clamps to the format's range and rounds to nearest, ties to
+ * even; NaN becomes 0 for UNORM. Errors: ZT_BAD_ARGUMENT (NULL), ZT_UNSUPPORTED (not plain). */
+ZT_API zt_result zt_unpack_texels(uint32_t format, const void *src, size_t count, float *rgba);
+ZT_API zt_result zt_pack_texels(uint32_t format, const float *rgba, size_t count, void *dst);
+
+/* CICP transfer (registry.md): coded value to linear light and back, mirrored for negative values. 1 when the number is
+ * known. The results are the same on every machine: no libm decides them. */
+ZT_API int zt_transfer_known(uint32_t transfer);
+ZT_API float zt_transfer_decode(uint32_t transfer, float value);
+ZT_API float zt_transfer_encode(uint32_t transfer, float value);
+
+/* ---- decoding ---- */
+
+/* A box of texels in one level of one image. x, y, width, height must be multiples of the block size, or end at the
+ * level's edge. */
+typedef struct zt_region {
+    uint32_t level, layer;
+    uint32_t x, y, z;
+    uint32_t width, height, depth;
+} zt_region;
+
+typedef struct zt_decode_options {
+    size_t size;                 /* sizeof(zt_decode_options), or 0 */
+    const zt_parallel *parallel; /* NULL: in the calling thread */
+} zt_decode_options;
+
+/* Decodes a region into the caller's memory: rows of blocks row_pitch apart, slices slice_pitch apart. Only the tiles
+ * that it touches are read. row_pitch 0: tight; slice_pitch 0: row_pitch times the rows of blocks. Nothing is written
+ * outside dst + dst_size; when an error is returned, the region's bytes are undefined. Errors: ZT_BAD_ARGUMENT (region
+ * outside the level, dst too small, pitch too small), ZT_AGAIN, ZT_NO_MEMORY, ZT_IO, ZT_CORRUPT, ZT_TRUNCATED,
+ * ZT_UNSUPPORTED (tile codec), ZT_LIMIT. */
+ZT_API zt_result zt_decode_region(const zt_file *file, uint32_t image, const zt_region *region, void *dst,
+                                  size_t dst_size, size_t row_pitch, size_t slice_pitch,
+                                  const zt_decode_options *options, zt_diag *diag);
+
+/* One layer of a level, tight slices after each other with row_pitch (0: tight). Errors as zt_decode_region.
+ * In the mip tail each call decodes all of it: whoever wants many layers or levels of it calls zt_decode_tile once. */
+ZT_API zt_result zt_decode_level(const zt_file *file, uint32_t image, uint32_t level, uint32_t layer, void *dst,
+                                 size_t dst_size, size_t row_pitch, const zt_decode_options *options, zt_diag *diag);
+
+/* One tile (in the tail: the whole tail) as its decoded bytes; dst_size must be at least its decoded_size. Errors as
+ * zt_decode_region. */
+ZT_API zt_result zt_decode_tile(const zt_file *file, uint32_t image, uint32_t level, uint64_t tile, void *dst,
+                                size_t dst_size, zt_diag *diag);
+
+/* The stored bytes of a tile, not decoded; dst_size must be at least its stored_size. For copying without coding anew.
+ */
+ZT_API zt_result zt_read_tile(const zt_file *file, uint32_t image, uint32_t level, uint64_t tile, void *dst,
+                              size_t dst_size, zt_diag *diag);
+
+/* ---- which bytes a request needs ---- */
+
+typedef struct zt_extent {
+    uint64_t offset, size; /* in the file */
+} zt_extent;
+
+typedef struct zt_request {
+    uint32_t texture;              /* ZT_NONE: by image */
+    uint32_t patch;                /* of a zipmap; ZT_NONE: all patches */
+    uint32_t image;                /* when texture is ZT_NONE */
+    uint32_t min_level, max_level; /* of each image; clamped to what it has */
+    const zt_region
+        *region; /* NULL: whole levels. Only with texture == ZT_NONE; its level replaces min_level and max_level */
+} zt_request;
+
+/* The byte ranges that decoding the request reads, in ascending order, touching ranges joined. Writes at most capacity
+ * of them (extents may be NULL with capacity 0) and sets *count to their number. Whole levels need no reading; a region
+ * needs the level's tile index: when the io answers ZT_AGAIN, the one extent is that index, and the result is ZT_AGAIN.
+ * Errors: ZT_BAD_ARGUMENT, ZT_AGAIN, ZT_NO_MEMORY, ZT_IO, ZT_CORRUPT, ZT_TRUNCATED. */
+ZT_API zt_result zt_query_extents(const zt_file *file, const zt_request *request, zt_extent *extents, size_t capacity,
+                                  size_t *count, zt_diag *diag);
+
+/* ---- sampling ---- */
+
+typedef enum zt_filter { ZT_FILTER_TRILINEAR = 0, ZT_FILTER_BILINEAR = 1, ZT_FILTER_NEAREST = 2 } zt_filter;
+
+/* A texture ready for lookups: the reference implementation of ztex.md section 12 and zipmap.md section 3. Tiles are
+ * decoded when a lookup first touches them and kept until the sampler is closed, within zt_limits.memory. */
+typedef struct zt_sampler zt_sampler;
+
+typedef struct zt_sampler_options {
+    size_t size; /* sizeof(zt_sampler_options), or 0 */
+    zt_filter filter;
+    uint32_t max_anisotropy;   /* 0 and 1: isotropic; at most 16; with ZT_FILTER_TRILINEAR only */
+    uint32_t layer;            /* layer of the texture: base colour, normal ... (zt_get_layer) */
+    uint32_t first_patch_only; /* 1: the root alone */
+} zt_sampler_options;
+
+/* The file must stay open until zt_sampler_close. Errors: ZT_BAD_ARGUMENT, ZT_NO_MEMORY, ZT_LIMIT, ZT_UNSUPPORTED (an
+ * image that it would look up is of a block format, or has an unknown transfer). */
+ZT_API zt_result zt_sampler_open(const zt_file *file, uint32_t texture, const zt_sampler_options *options,
+                                 zt_diag *diag, zt_sampler **out);
+ZT_API void zt_sampler_close(zt_sampler *sampler); /* NULL is allowed */
+
+typedef struct zt_point {
+    double u, v, w; /* w: volumes; else ignored */
+    double du_dx, dv_dx,
+        dw_dx; /* change of the coordinates for one step to the right in the target; all zero: magnified */
+    double du_dy, dv_dy, dw_dy; /* and for one step down */
+    uint32_t array_layer;       /* layer, cube face or frame; clamped */
+} zt_point;
+
+/* Looks up count points: out gets four floats each, premultiplied linear light (layers that are not colour: values as
+ * stored, weighted by coverage). Coordinates that are not finite give zeros. Errors: ZT_BAD_ARGUMENT; those of
+ * zt_decode_region. On an error out is undefined. */
+ZT_API zt_result zt_sample(const zt_sampler *sampler, const zt_point *points, size_t count, float *out, zt_diag *diag);
+
+/* What a sampler holds, for tuning: bytes of decoded tiles, cells of the patch grid, entries of all its lists, longest
+ * list. */
+typedef struct zt_sampler_info {
+    uint64_t tile_bytes;
+    uint32_t grid_width, grid_height;
+    uint64_t grid_entries;
+    uint32_t longest_list;
+} zt_sampler_info;
+
+ZT_API void zt_get_sampler(const zt_sampler *sampler, zt_sampler_info *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the tests over conformance/ share: files in memory, and an allocator that counts and fails when told to. */
+#ifndef ZT_TEST_CORPUS_H
+#define ZT_TEST_CORPUS_H
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <zt/zt.h>
+
+#define VALID_FOLDER "conformance/valid/"
+#define INVALID_FOLDER "conformance/invalid/"
+
+typedef struct blob {
+    uint8_t *data;
+    size_t size;
+} blob;
+
+/* A heap block of exactly the file's size: a sanitizer sees reads behind the end. */
+static inline blob blob_read(const char *folder, const char *name) {
+    char path[512];
+    blob b = {NULL, 0};
+    snprintf(path, sizeof path, "%s%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        fprintf(stderr, "%s: cannot be opened (the working directory is the repository)\n", path);
+        exit(2);
+    }
+    fseek(file, 0, SEEK_END);
+    b.size = (size_t)ftell(file);
+    rewind(file);
+    b.data = malloc(b.size ? b.size : 1);
+    assert(b.data && fread(b.data, 1, b.size, file) == b.size);
+    fclose(file);
+    return b;
+}
+
+/* The first size bytes in a block of their own. */
+static inline blob blob_prefix(blob from, size_t size) {
+    blob b = {malloc(size ? size : 1), size};
+    assert(b.data);
+    memcpy(b.data, from.data, size);
+    return b;
+}
+
+static inline void blob_free(blob b) {
+    free(b.data);
+}
+
+/* Not for several threads at once. */
+typedef struct counting {
+    zt_allocator allocator;
+    uint64_t live, peak, calls;
+    uint64_t fail_at; /* this call gets no memory, counted from 1; 0: none */
+    bool fail_on;     /* and none of those behind it */
+} counting;
+
+static inline void *counting_alloc(void *user, size_t size) {
+    counting *c = user;
+    assert(size > 0);
+    c->calls++;
+    if (c->fail_at > 0 && (c->calls == c->fail_at || (c->fail_on && c->calls > c->fail_at)))
+        return NULL;
+    c->live += size;
+    c->peak = c->live > c->peak ? c->live : c->peak;
+    return malloc(size);
+}
+
+static inline void counting_free(void *user, void *ptr, size_t size) {
+    counting *c = user;
+    assert(ptr && size > 0 && size <= c->live);
+    c->live -= size;
+    free(ptr);
+}
+
+/* allocator.user points into c, which must not move. */
+static inline void counting_init(counting *c) {
+    memset(c, 0, sizeof *c);
+    c->allocator.user = c;
+    c->allocator.alloc = counting_alloc;
+    c->allocator.free = counting_free;
+}
+
+#endif

@@ -1,0 +1,220 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of the demo that are easier in Python: the scene, the contact sheet with its labels, and the figures.
+
+    demo.py scene NAME PHOTO FOLDER     FOLDER/scene.json
+    demo.py path NAME                   the zoom path, as `ztex render --zoom-path` wants it
+    demo.py sheet FOLDER FRAMES         FOLDER/sheet.png of root_NNNN.png, zipmap_NNNN.png, full_NNNN.png
+    demo.py row FOLDER TARGET           one row of root.png, zipmap.png, full.png, as JPEG
+    demo.py report NAME FOLDER ZTEX     tables of bytes and of errors; fails when a goal is missed
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import numpy
+from PIL import Image, ImageDraw, ImageFont
+
+RAMP = 8     # texels over which a patch fades in
+MARGIN = 16  # texels from a patch's edge where errors are not measured: the ramp and its filter
+GOAL_DB = 45
+GOAL_BYTES = 1.10  # times the share that the texels of all patches, root included, have of the whole texture's
+
+
+@dataclass
+class Detail:
+    name: str
+    rect: tuple      # x, y, width, height in pixels of the photograph
+    shrink: int = 1  # 2: stored at half the photograph's resolution
+    parent: str = ''
+
+
+@dataclass
+class Work:
+    size: tuple
+    shrink: int  # of the root
+    details: list
+    target: tuple  # x, y, width, height where the zoom ends
+
+    def rect(self, name):
+        return next((d.rect for d in self.details if d.name == name), (0, 0, *self.size))
+
+
+WORKS = {
+    'elephants': Work((5640, 3172), 8, [
+        Detail('head', (2700, 560, 1240, 1060), shrink=2),
+        Detail('eye', (3110, 820, 560, 400), parent='head'),
+        Detail('tusk', (3200, 1660, 360, 440)),
+        Detail('trunk', (2880, 1880, 460, 520)),
+        Detail('toes', (2140, 2240, 300, 280)),
+        Detail('calf', (2040, 1200, 360, 260)),
+        Detail('wrinkles', (1900, 1540, 340, 260)),
+        Detail('flame', (560, 1900, 500, 300)),
+    ], target=(3190, 910, 320, 180)),
+    'astronaut': Work((512, 512), 8, [
+        Detail('face', (160, 24, 140, 160)),
+    ], target=(139, 8, 187, 187)),
+}
+
+
+# --- the scene -------------------------------------------------------------------------------------
+
+
+def make_scene(work, name, photo, folder):
+    """Each patch lies exactly where its crop was in the photograph, however large the root or the parent is stored."""
+    width, height = work.size
+    root = {'file': photo, 'resize': [round(width / work.shrink), round(height / work.shrink)]}
+    patches = [{'name': 'root', 'image': root}]
+    for detail in work.details:
+        x, y, w, h = detail.rect
+        px, py, pw, ph = work.rect(detail.parent)
+        image = {'file': photo, 'crop': list(detail.rect)}
+        if detail.shrink > 1:
+            image['resize'] = [w // detail.shrink, h // detail.shrink]
+        patches.append({'name': detail.name, 'image': image, 'parent': detail.parent or 'root',
+                        'ramp': RAMP, 'separate_mask': True,
+                        'offset': [(x - px) / pw, (y - py) / ph], 'scale': [w / pw, h / ph]})
+    scene = {'comment': 'Written by tools/dev/demo.py.',
+             'textures': [{'name': name, 'wrap': 'clamp', 'patches': patches}]}
+    with open(os.path.join(folder, 'scene.json'), 'w', encoding='utf-8') as file:
+        json.dump(scene, file, indent=2)
+        file.write('\n')
+
+
+def view_of(work, rect):
+    (width, height), (x, y, w, h) = work.size, rect
+    return ','.join(repr(v) for v in (x / width, y / height, (x + w) / width, (y + h) / height))
+
+
+# --- the sheet -------------------------------------------------------------------------------------
+
+ROWS = [('root', 'root alone'), ('zipmap', 'zipmap'), ('full', 'whole texture')]
+
+
+def font(size):
+    try:
+        return ImageFont.truetype('DejaVuSans.ttf', size)
+    except OSError:
+        return ImageFont.load_default()
+
+
+def label(draw, xy, text, size, **how):
+    draw.text(xy, text, fill=(40, 40, 40), font=font(size), **how)
+
+
+def make_sheet(folder, frames):
+    pictures = [[Image.open(os.path.join(folder, f'{name}_{i + 1:04d}.png')) for i in range(frames)]
+                for name, _ in ROWS]
+    w, h = pictures[0][0].size
+    gap, left, top = 6, 150, 34
+    sheet = Image.new('RGB', (left + frames * (w + gap), top + len(ROWS) * (h + gap)), (250, 250, 248))
+    draw = ImageDraw.Draw(sheet)
+    for r, (_, text) in enumerate(ROWS):
+        label(draw, (10, top + r * (h + gap) + h // 2 - 10), text, 18)
+        for i, picture in enumerate(pictures[r]):
+            sheet.paste(picture, (left + i * (w + gap), top + r * (h + gap)))
+    for i in range(frames):
+        label(draw, (left + i * (w + gap), 8), f'step {i + 1}', 16)
+    sheet.save(os.path.join(folder, 'sheet.png'))
+
+
+def make_row(folder, target):
+    pictures = [Image.open(os.path.join(folder, f'{name}.png')).convert('RGB') for name, _ in ROWS]
+    w, h = pictures[0].size
+    gap, top = 6, 28
+    row = Image.new('RGB', (len(pictures) * (w + gap) - gap, h + top), (255, 255, 255))
+    draw = ImageDraw.Draw(row)
+    for i, picture in enumerate(pictures):
+        row.paste(picture, (i * (w + gap), top))
+        size = os.path.getsize(os.path.join(folder, 'full.ztex' if i == 2 else 'zipmap.ztex')) / 1024
+        label(draw, (i * (w + gap) + 2, 4), ROWS[i][1] + (f', {size:.0f} KiB' if i else ''), 16)
+    row.save(target, quality=88, optimize=True)
+
+
+# --- figures ---------------------------------------------------------------------------------------
+
+
+def psnr(a, b):
+    error = numpy.mean((a.astype(float) - b.astype(float)) ** 2)
+    return math.inf if error == 0 else 10 * math.log10(255 ** 2 / error)
+
+
+def render(ztex, folder, file, work, rect, size, *options):
+    name = os.path.join(folder, 'measured.png')
+    subprocess.run([ztex, 'render', os.path.join(folder, file), '-o', name, '--view', view_of(work, rect), '--size',
+                    f'{size[0]}x{size[1]}', *options], check=True)
+    pixels = numpy.asarray(Image.open(name))
+    os.remove(name)
+    return pixels
+
+
+def measure(work, detail, folder, ztex):
+    """Errors against the whole texture, at the patch's own resolution, inside its ramp."""
+    x, y, w, h = detail.rect
+    edge = MARGIN * detail.shrink
+    rect = (x + edge, y + edge, w - 2 * edge, h - 2 * edge)
+    size = (rect[2] // detail.shrink, rect[3] // detail.shrink)
+    truth = render(ztex, folder, 'full.ztex', work, rect, size)
+    return (psnr(render(ztex, folder, 'zipmap.ztex', work, rect, size), truth),
+            psnr(render(ztex, folder, 'zipmap.ztex', work, rect, size, '--root-only'), truth))
+
+
+def decibel(value):
+    return 'exact' if math.isinf(value) else f'{value:.1f} dB'
+
+
+def report_bytes(work, folder):
+    full = os.path.getsize(os.path.join(folder, 'full.ztex'))
+    texels = sum(d.rect[2] * d.rect[3] // d.shrink ** 2 for d in work.details)
+    share = texels / (work.size[0] * work.size[1])
+    print(f'{"":22}{"bytes":>12}{"of the whole":>14}')
+    for file, text in (('full.ztex', 'whole texture'), ('root.ztex', 'root alone'), ('zipmap.ztex', 'zipmap')):
+        size = os.path.getsize(os.path.join(folder, file))
+        print(f'{text:22}{size:12,}{100 * size / full:13.1f} %')
+    share += 1 / work.shrink ** 2
+    print(f'{"texels of all patches":22}{"":12}{100 * share:13.1f} %')
+    return size / full <= share * GOAL_BYTES
+
+
+def report_errors(work, folder, ztex):
+    good = True
+    print(f'\nPSNR against the whole texture inside the patches, at their resolution\n'
+          f'{"patch":12}{"pixels":>12}{"stored at":>12}{"zipmap":>12}{"root alone":>12}')
+    for detail in work.details:
+        zipmap, root = measure(work, detail, folder, ztex)
+        print(f'{detail.name:12}{detail.rect[2]:>7} x {detail.rect[3]:<4}{"1 / " + str(detail.shrink):>10}'
+              f'{decibel(zipmap):>12}{decibel(root):>12}')
+        # A patch at another resolution is another filtering of the photograph, not a copy.
+        good &= detail.shrink > 1 or zipmap >= GOAL_DB
+    return good
+
+
+def report(work, folder, ztex):
+    small = report_bytes(work, folder)
+    close = report_errors(work, folder, ztex)
+    print(f'\nat most {GOAL_BYTES:.2f} times the patches\' share of the bytes: {"yes" if small else "NO"}; '
+          f'at least {GOAL_DB} dB in patches of full resolution: {"yes" if close else "NO"}')
+    return 0 if small and close else 1
+
+
+def main(words):
+    verb, rest = words[0], words[1:]
+    if verb == 'scene':
+        make_scene(WORKS[rest[0]], rest[0], os.path.abspath(rest[1]), rest[2])
+    elif verb == 'path':
+        work = WORKS[rest[0]]
+        print(f'0,0,1,1;{view_of(work, work.target)}')
+    elif verb == 'sheet':
+        make_sheet(rest[0], int(rest[1]))
+    elif verb == 'row':
+        make_row(*rest)
+    elif verb == 'report':
+        return report(WORKS[rest[0]], rest[1], rest[2])
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

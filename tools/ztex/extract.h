@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The inside of `ztex extract`: one slice of one level of an image becomes a picture or plain bytes (extract_rows.c), or all
+ * of a file becomes a folder with a scene for `ztex make` (extract_all.c).
+ */
+#ifndef ZTEX_EXTRACT_H
+#define ZTEX_EXTRACT_H
+
+#include "command.h"
+#include "image_io.h"
+
+typedef struct extract_part {
+    const zt_file *file;
+    const char *name; /* of the file, for messages */
+    uint32_t image;
+    zt_image_info info;
+    const zt_format_info *format; /* NULL: not in the registry */
+    int is_colour;
+    zt_region region; /* depth 1 for pictures */
+} extract_part;
+
+/* Fills in everything for the whole of slice 0 of a level of array layer 0. Prints the message on failure. */
+int extract_part_of(const zt_file *file, const char *name, uint32_t image, uint32_t level, extract_part *part);
+
+/* Why there can be no picture of it, or NULL. */
+const char *extract_refusal(const extract_part *part);
+
+/* Writes a picture; its type is that of the path's extension. Values stay as they are where the type can hold them; else colours
+ * are converted by way of linear light. progress may be NULL. */
+int extract_picture(cmd_args *args, const extract_part *part, const char *path, cmd_progress *progress);
+
+/* The region's bytes, tight, rows of blocks from the top down, slice after slice. "-": standard output. */
+int extract_raw(cmd_args *args, const extract_part *part, const char *path, cmd_progress *progress);
+
+/* Everything, into a folder that is made if it is not there. */
+int extract_all(cmd_args *args, const cmd_input *input, const char *folder);
+
+#endif

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Between the two files that read scenes. All return a cmd_status and print their messages with the JSON pointer. */
+#ifndef ZTEX_SCENE_H
+#define ZTEX_SCENE_H
+
+#include "make.h"
+
+int scene_wrong_type(const make_scene *scene, const char *pointer, const json_t *value, const char *wanted);
+/* Refuses members that are not in the list, which NULL ends. */
+int scene_check_keys(make_scene *scene, const json_t *object, const char *pointer, const char *const *known);
+int scene_text(make_scene *scene, const json_t *value, const char *pointer, const char **out);
+int scene_whole(make_scene *scene, const json_t *value, const char *pointer, uint32_t min, uint32_t max, uint32_t *out);
+int scene_wholes(make_scene *scene, const json_t *value, const char *pointer, size_t count, uint32_t max,
+                 uint32_t *out);
+int scene_reals(make_scene *scene, const json_t *value, const char *pointer, size_t count, double *out);
+int scene_flag(make_scene *scene, const json_t *value, const char *pointer, int *out);
+int scene_choice(const char *choices, const char *word); /* position in "a|b|c", or -1 */
+
+/* The members of object that are options of images, into o; members that are not there leave o as it is. */
+int scene_options(make_scene *scene, const json_t *object, const char *pointer, make_options *o);
+/* The same out of object's member "defaults". */
+int scene_defaults(make_scene *scene, const json_t *object, const char *pointer, make_options *o);
+int scene_image(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
+                const make_image **out);
+
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A scene into a texture file: images first, then textures with their patches, then metadata. */
+#include "make.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const uint8_t clamped[3] = {ZT_WRAP_CLAMP, ZT_WRAP_CLAMP, ZT_WRAP_CLAMP};
+
+/* What later textures and patches must know about an earlier texture. */
+typedef struct texture_size {
+    uint32_t width, height;
+} texture_size;
+
+static int fail_at(const make_scene *scene, const char *pointer, zt_result result, const zt_diag *diag) {
+    char name[512];
+    if (!scene->name)
+        return cmd_fail_result("make", result, diag);
+    snprintf(name, sizeof name, "%s: %s", scene->name, pointer);
+    return cmd_fail_result(name, result, diag);
+}
+
+static size_t count_images(const make_scene *scene) {
+    size_t count = 0;
+    for (uint32_t t = 0; t < scene->texture_count; t++) {
+        const make_texture *texture = &scene->textures[t];
+        count += (size_t)texture->layer_count * (texture->is_zipmap ? texture->patch_count : 1);
+    }
+    return count;
+}
+
+/* ---- kind image ------------------------------------------------------------------------------------- */
+
+static int check_layer(const make_store *store, const make_image *image, const make_stored *layer,
+                       const make_stored *first) {
+    if (layer->width == first->width && layer->height == first->height && layer->depth == first->depth &&
+        layer->layers == first->layers)
+        return CMD_OK;
+    return make_complain(store->scene, image->pointer,
+                         "%s is %u x %u x %u with %u layers, but the texture's first picture %u x "
+                         "%u x %u with %u: they have one size (resize it)",
+                         image->files[0].path, (unsigned)layer->width, (unsigned)layer->height, (unsigned)layer->depth,
+                         (unsigned)layer->layers, (unsigned)first->width, (unsigned)first->height,
+                         (unsigned)first->depth, (unsigned)first->layers);
+}
+
+static int store_image_texture(make_store *store, const make_texture *texture, texture_size *size) {
+    zt_layer_desc layers[MAKE_LAYERS];
+    make_stored first = {0}, stored;
+    for (uint32_t i = 0; i < texture->layer_count; i++) {
+        make_use use = {.semantic = texture->semantics[i], .role = ROLE_PLAIN};
+        memcpy(use.wrap, texture->wrap, sizeof use.wrap);
+        int status = make_store_image(store, texture->images[i], &use, &stored);
+        if (status == CMD_OK && i == 0)
+            first = stored;
+        if (status == CMD_OK)
+            status = check_layer(store, texture->images[i], &stored, &first);
+        if (status != CMD_OK)
+            return status;
+        layers[i] = (zt_layer_desc){texture->semantics[i], stored.image};
+    }
+    *size = (texture_size){first.width, first.height};
+    zt_texture_desc desc = {.name = texture->name,
+                            .wrap_u = (zt_wrap)texture->wrap[0],
+                            .wrap_v = (zt_wrap)texture->wrap[1],
+                            .wrap_w = (zt_wrap)texture->wrap[2],
+                            .layers = layers,
+                            .layer_count = texture->layer_count};
+    zt_diag diag = {.offset = UINT64_MAX};
+    zt_result result = zt_writer_add_texture(store->writer, &desc, &diag, NULL);
+    return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
+}
+
+/* ---- kind zipmap -------------------------------------------------------------------------------------- */
+
+/* What is known of a patch when it is stored; later patches may have it as their parent. */
+typedef struct placed {
+    make_parent self;
+    make_crop crop;
+    uint32_t sources[MAKE_LAYERS];
+    uint32_t mask;
+} placed;
+
+/* The first layer carries the coverage, in its alpha or in a mask image beside it. */
+static int store_coverage(make_store *store, const make_patch *patch, make_use *use, placed *p, make_stored *stored) {
+    const make_image *image = patch->images[0];
+    int separate = patch->separate_mask;
+    int status = CMD_OK;
+    use->ramp = patch->ramp;
+    use->mask = patch->mask;
+    if (!separate)
+        status = make_wants_mask(store, image, use, &separate);
+    use->role = separate ? ROLE_BARE : ROLE_COVERED;
+    if (status == CMD_OK)
+        status = make_store_image(store, image, use, stored);
+    if (status != CMD_OK || !separate)
+        return status;
+    make_stored mask;
+    use->role = ROLE_MASK;
+    status = make_store_image(store, image, use, &mask);
+    p->mask = mask.image;
+    return status;
+}
+
+static int store_layers(make_store *store, const make_texture *texture, uint32_t index, placed *p) {
+    const make_patch *patch = &texture->patches[index];
+    make_stored stored;
+    for (uint32_t i = 0; i < texture->layer_count; i++) {
+        make_use use = {.semantic = texture->semantics[i], .role = ROLE_PLAIN};
+        memcpy(use.wrap, index == 0 ? texture->wrap : clamped, sizeof use.wrap);
+        int status = index > 0 && i == 0 ? store_coverage(store, patch, &use, p, &stored)
+                                         : make_store_image(store, patch->images[i], &use, &stored);
+        if (status != CMD_OK)
+            return status;
+        p->sources[i] = stored.image;
+        if (i > 0)
+            continue;
+        p->self.width = stored.width;
+        p->self.height = stored.height;
+        p->crop = (make_crop){patch->images[0]->crop, stored.full_width, stored.full_height};
+    }
+    return CMD_OK;
+}
+
+/* A patch that shows a texture of the file: its coverage is the texture's, times a mask if there is one. */
+static int store_shown(make_store *store, const make_texture *texture, uint32_t index, const texture_size *sizes,
+                       placed *p) {
+    const make_patch *patch = &texture->patches[index];
+    for (uint32_t i = 0; i < texture->layer_count; i++)
+        p->sources[i] = patch->texture;
+    p->self.width = sizes[patch->texture].width;
+    p->self.height = sizes[patch->texture].height;
+    if (!patch->mask)
+        return CMD_OK;
+    make_stored stored;
+    make_use use = {.semantic = ZT_SEMANTIC_OPACITY, .role = ROLE_MASK, .ramp = patch->ramp, .mask = patch->mask};
+    memcpy(use.wrap, clamped, sizeof use.wrap);
+    int status = make_store_image(store, patch->mask, &use, &stored);
+    p->mask = stored.image;
+    return status;
+}
+
+static int place_patch(make_store *store, const make_texture *texture, uint32_t index, placed *all, double matrix[9]) {
+    const make_patch *patch = &texture->patches[index];
+    placed *self = &all[index];
+    if (index == 0) {
+        memcpy(matrix, make_identity, sizeof make_identity);
+        memcpy(self->self.root_matrix, make_identity, sizeof make_identity);
+        return CMD_OK;
+    }
+    const make_parent *parent = &all[patch->parent].self;
+    const char *wrong = make_place_matrix(patch, parent, &self->crop, matrix);
+    if (wrong)
+        return make_complain(store->scene, patch->pointer, "%s", wrong);
+    make_matrix_multiply(matrix, parent->root_matrix, self->self.root_matrix);
+    return CMD_OK;
+}
+
+static int add_zipmap(make_store *store, const make_texture *texture, const zt_patch_desc *patches) {
+    zt_layer_desc layers[MAKE_LAYERS];
+    for (uint32_t i = 0; i < texture->layer_count; i++)
+        layers[i] = (zt_layer_desc){texture->semantics[i], ZT_NONE};
+    zt_texture_desc desc = {.name = texture->name,
+                            .wrap_u = (zt_wrap)texture->wrap[0],
+                            .wrap_v = (zt_wrap)texture->wrap[1],
+                            .wrap_w = (zt_wrap)texture->wrap[2],
+                            .layers = layers,
+                            .layer_count = texture->layer_count};
+    zt_diag diag = {.offset = UINT64_MAX};
+    zt_result result = zt_writer_add_zipmap(store->writer, &desc, patches, texture->patch_count, &diag, NULL);
+    return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
+}
+
+static int store_zipmap(make_store *store, const make_texture *texture, texture_size *sizes, uint32_t self) {
+    uint32_t count = texture->patch_count;
+    placed *all = calloc(count, sizeof *all);
+    zt_patch_desc *patches = calloc(count, sizeof *patches);
+    int status = all && patches ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
+    for (uint32_t i = 0; status == CMD_OK && i < count; i++) {
+        const make_patch *patch = &texture->patches[i];
+        int shows = patch->texture != ZT_NONE;
+        all[i].mask = ZT_NONE;
+        status = shows ? store_shown(store, texture, i, sizes, &all[i]) : store_layers(store, texture, i, &all[i]);
+        if (status == CMD_OK)
+            status = place_patch(store, texture, i, all, patches[i].matrix);
+        patches[i].parent = patch->parent;
+        patches[i].shows_texture = (uint32_t)shows;
+        patches[i].sources = all[i].sources;
+        patches[i].mask = all[i].mask;
+    }
+    if (status == CMD_OK) {
+        sizes[self] = (texture_size){all[0].self.width, all[0].self.height};
+        status = add_zipmap(store, texture, patches);
+    }
+    free(patches);
+    free(all);
+    return status;
+}
+
+/* ---- the file ----------------------------------------------------------------------------------------- */
+
+static int store_textures(make_store *store) {
+    const make_scene *scene = store->scene;
+    texture_size *sizes = calloc(scene->texture_count, sizeof *sizes);
+    int status = sizes ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
+    for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
+        const make_texture *texture = &scene->textures[t];
+        status = texture->is_zipmap ? store_zipmap(store, texture, sizes, t)
+                                    : store_image_texture(store, texture, &sizes[t]);
+    }
+    free(sizes);
+    return status;
+}
+
+static int store_metadata(make_store *store) {
+    const make_scene *scene = store->scene;
+    for (size_t i = 0; i < scene->metadata_count; i++) {
+        zt_diag diag = {.offset = UINT64_MAX};
+        zt_result result = zt_writer_set_metadata(store->writer, scene->metadata[i].key, scene->metadata[i].value,
+                                                  &diag);
+        if (result != ZT_OK)
+            return fail_at(scene, "/metadata", result, &diag);
+    }
+    return CMD_OK;
+}
+
+int make_store_scene(cmd_args *args, const make_scene *scene, const char *output, const zt_writer_options *options,
+                     cmd_progress *progress) {
+    make_store store = {.args = args, .scene = scene, .progress = progress};
+    int status = cmd_writer_open(args, output, options, &store.writer);
+    if (status != CMD_OK)
+        return status;
+    store.total = count_images(scene);
+    status = store_textures(&store);
+    if (status == CMD_OK)
+        status = store_metadata(&store);
+    cmd_progress_part(progress, 0.9, 1.0);
+    if (status == CMD_OK)
+        status = cmd_writer_finish(output, store.writer);
+    zt_writer_close(store.writer);
+    make_store_release(&store);
+    return status;
+}

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ztex extract: what is in a texture file, as pictures, bytes or metadata. */
+#include "extract.h"
+#include "pick.h"
+
+#include <string.h>
+
+static const cmd_option options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .metavar = "OUT",
+     .kind = CMD_FILE,
+     .help = "The picture; its extension says the type: png holds 8 and 16 bits, exr half and float. With --raw and "
+             "--key - is standard output."},
+    {.name = "image",
+     .letter = 'i',
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 0xFFFFFFFE,
+     .help = "Image by its number. Default: that of --texture."},
+    {.name = "texture", .letter = 't', .metavar = "NAME|INDEX", .kind = CMD_TEXT, .help = "Texture; default: 0."},
+    {.name = "layer",
+     .metavar = "SEMANTIC|INDEX",
+     .kind = CMD_TEXT,
+     .help = "Layer of the texture: base_colour, normal, ...; default: the first."},
+    {.name = "patch",
+     .letter = 'p',
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 0xFFFFFFFE,
+     .help = "Patch of a zipmap; default: 0, the root."},
+    {.name = "mask", .help = "The mask of the patch instead of its image."},
+    {.name = "level", .letter = 'l', .metavar = "N", .kind = CMD_INTEGER, .max = 31, .help = "Mip level; default: 0."},
+    {.name = "array-layer",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 65535,
+     .help = "Array layer, cube face or frame; default: 0."},
+    {.name = "slice",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 16383,
+     .help = "Slice of a volume; default: 0, with --raw all."},
+    {.name = "region",
+     .metavar = "X,Y,W,H",
+     .kind = CMD_TEXT,
+     .help = "Rectangle of texels of the level. For block formats it begins and ends between blocks."},
+    {.name = "raw", .help = "The bytes of the texels as they are, rows without padding."},
+    {.name = "all",
+     .metavar = "FOLDER",
+     .kind = CMD_FOLDER,
+     .help = "Level 0 of every image as pictures that hold the texels exactly, and scene.json, from which 'ztex make' "
+             "makes the same textures."},
+    {.name = "meta", .help = "Print the metadata as JSON."},
+    {.name = "key", .metavar = "KEY", .kind = CMD_TEXT, .help = "Print the value of a metadata key."},
+    {0}};
+
+static const cmd_example examples[] = {
+    {"ztex extract brick.ztex -o brick.png", "The first texture's picture."},
+    {"ztex extract wall.ztex -t wall --patch 3 -o detail.png", "What a patch shows, its coverage as alpha."},
+    {"ztex extract brick.ztex --layer normal --level 2 -o small.png", "A mip level of another layer."},
+    {"ztex extract wall.ztex --all wall", "Everything; 'ztex make wall/scene.json -o wall.ztex' makes it again."},
+    {"ztex extract wall.ztex --key zt.license", "Say under which licence the work is."},
+    {0}};
+
+static int print_metadata(const cmd_args *args, const cmd_input *input, const char *wanted) {
+    uint32_t count = 0;
+    zt_diag diag = {.offset = UINT64_MAX};
+    zt_result result = zt_load_metadata(input->file, &count, &diag);
+    if (result != ZT_OK)
+        return cmd_fail_result(input->name, result, &diag);
+    if (wanted) {
+        const char *text = zt_find_metadata(input->file, wanted);
+        if (!text)
+            return cmd_fail(CMD_USAGE, "%s: there is no metadata key '%s'", input->name, wanted);
+        /* Made safe for a terminal only where one may be: a pipe gets every byte. */
+        if (cmd_given(args, "raw"))
+            fputs(text, stdout);
+        else
+            cmd_print_safe(stdout, text);
+        fputc('\n', stdout);
+        return CMD_OK;
+    }
+    json_t *pairs = json_object();
+    for (uint32_t i = 0; i < count; i++) {
+        const char *key, *value;
+        if (zt_get_metadata(input->file, i, &key, &value) == ZT_OK)
+            json_object_set_new(pairs, key, cmd_json_text(value));
+    }
+    int status = cmd_json_print(stdout, pairs);
+    json_decref(pairs);
+    return status;
+}
+
+/* ---- which image ------------------------------------------------------------------------------------------ */
+
+static int image_of_patch(const cmd_args *args, const cmd_input *input, uint32_t texture, uint32_t layer,
+                          uint32_t *image) {
+    uint32_t number = (uint32_t)cmd_integer(args, "patch");
+    zt_patch_info patch;
+    if (zt_get_patch(input->file, texture, number, &patch) != ZT_OK)
+        return cmd_fail(CMD_USAGE, "%s: texture %u has no patch %u", input->name, (unsigned)texture, (unsigned)number);
+    if (cmd_given(args, "mask")) {
+        *image = patch.mask;
+        return patch.mask != ZT_NONE
+                   ? CMD_OK
+                   : cmd_fail(CMD_USAGE, "%s: patch %u has no mask: its coverage is the alpha of its image",
+                              input->name, (unsigned)number);
+    }
+    if (patch.texture != ZT_NONE) {
+        cmd_error("%s: patch %u shows the texture %u", input->name, (unsigned)number, (unsigned)patch.texture);
+        cmd_hint("Extract that one with --texture %u.", (unsigned)patch.texture);
+        return CMD_USAGE;
+    }
+    *image = zt_get_patch_image(input->file, texture, number, layer);
+    return CMD_OK;
+}
+
+static int find_image(const cmd_args *args, const cmd_input *input, uint32_t *image) {
+    static const char *const others[] = {"texture", "layer", "patch", "mask"};
+    uint32_t texture, layer;
+    zt_layer_info row;
+    if (cmd_given(args, "image")) {
+        *image = (uint32_t)cmd_integer(args, "image");
+        for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+            if (cmd_given(args, others[i]))
+                return cmd_usage(args, "--image and --%s exclude each other", others[i]);
+        return CMD_OK;
+    }
+    int status = pick_texture(input, cmd_text(args, "texture"), &texture);
+    if (status == CMD_OK)
+        status = pick_layer(input, texture, cmd_text(args, "layer"), &layer);
+    if (status != CMD_OK)
+        return status;
+    if (cmd_given(args, "patch") || cmd_given(args, "mask"))
+        return image_of_patch(args, input, texture, layer, image);
+    if (zt_get_layer(input->file, texture, layer, &row) != ZT_OK)
+        return cmd_fail(CMD_INTERNAL, "%s: the texture has no image", input->name);
+    *image = row.image;
+    return CMD_OK;
+}
+
+static int read_part(const cmd_args *args, const cmd_input *input, extract_part *part) {
+    uint32_t image = 0, n[4];
+    zt_level_info size;
+    int status = find_image(args, input, &image);
+    if (status == CMD_OK)
+        status = extract_part_of(input->file, input->name, image, (uint32_t)cmd_integer(args, "level"), part);
+    if (status != CMD_OK)
+        return status;
+    zt_get_level(input->file, image, part->region.level, &size);
+    part->region.layer = (uint32_t)cmd_integer(args, "array-layer");
+    part->region.z = (uint32_t)cmd_integer(args, "slice");
+    if (part->region.layer >= part->info.layers)
+        return cmd_usage(args, "--array-layer %u: there are %u, from 0 on", (unsigned)part->region.layer,
+                         (unsigned)part->info.layers);
+    if (part->region.z >= size.depth)
+        return cmd_usage(args, "--slice %u: there are %u, from 0 on", (unsigned)part->region.z, (unsigned)size.depth);
+    if (cmd_given(args, "raw") && !cmd_given(args, "slice"))
+        part->region.depth = size.depth;
+    const char *text = cmd_text(args, "region");
+    if (!text)
+        return CMD_OK;
+    if (pick_integers(text, n, 4) || n[2] == 0 || n[3] == 0)
+        return cmd_usage(args, "--region '%s': four whole numbers x,y,width,height are wanted", text);
+    if ((uint64_t)n[0] + n[2] > size.width || (uint64_t)n[1] + n[3] > size.height)
+        return cmd_usage(args, "--region '%s': the level has %u x %u texels", text, (unsigned)size.width,
+                         (unsigned)size.height);
+    part->region.x = n[0];
+    part->region.y = n[1];
+    part->region.width = n[2];
+    part->region.height = n[3];
+    return CMD_OK;
+}
+
+static int extract_one(cmd_args *args, const cmd_input *input, const char *path) {
+    extract_part part;
+    cmd_progress progress;
+    int status = read_part(args, input, &part);
+    if (status != CMD_OK)
+        return status;
+    cmd_progress_begin(&progress, args, "extracting");
+    status = cmd_given(args, "raw") ? extract_raw(args, &part, path, &progress)
+                                    : extract_picture(args, &part, path, &progress);
+    cmd_progress_end(&progress);
+    return status;
+}
+
+static int run(cmd_args *args) {
+    const char *path = cmd_text(args, "output"), *folder = cmd_text(args, "all"), *key = cmd_text(args, "key");
+    int prints = key || cmd_given(args, "meta");
+    cmd_input input;
+    if ((path != NULL) + (folder != NULL) + prints != 1)
+        return cmd_usage(args, "one of --output, --all, --meta and --key is wanted");
+    if (path && strcmp(path, "-") == 0 && !cmd_given(args, "raw"))
+        return cmd_usage(args, "a picture needs a name: its extension says the type. Bytes go out with --raw");
+    int status = path ? cmd_check_output(path, args->operands, 1) : CMD_OK;
+    if (status == CMD_OK)
+        status = cmd_open(args, args->operands[0], 0, &input);
+    if (status != CMD_OK)
+        return status;
+    if (prints)
+        status = print_metadata(args, &input, key);
+    else if (folder)
+        status = extract_all(args, &input, folder);
+    else
+        status = extract_one(args, &input, path);
+    cmd_close(&input);
+    return status;
+}
+
+const cmd_verb verb_extract = {
+    .name = "extract",
+    .summary = "Get images, bytes or metadata out of a texture file",
+    .synopsis = "[OPTION]... FILE -o OUT\nFILE --all FOLDER\nFILE --meta | --key KEY",
+    .text =
+        "Writes one slice of one level of an image as a picture. Integers go into png as they are, sRGB stays sRGB and "
+        "straight alpha straight. Floats go into exr, with premultiplied alpha. Where the picture's type cannot hold "
+        "the texels, colours are converted by way of linear light. Texels of block formats come out with --raw only.",
+    .options = options,
+    .examples = examples,
+    .operand = CMD_TEXTURE,
+    .min_operands = 1,
+    .max_operands = 1,
+    .common = CMD_WITH_THREADS | CMD_WITH_MEMORY,
+    .run = run,
+};

@@ -1,0 +1,505 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ztex make: pictures, or a scene that names them, into a texture file. */
+#include "make.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const cmd_option options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .metavar = "FILE",
+     .kind = CMD_TEXTURE,
+     .help = "The texture file to write; - is standard output. Required."},
+    {.name = "name",
+     .letter = 'n',
+     .metavar = "NAME",
+     .kind = CMD_TEXT,
+     .help = "Name of the texture. Default: the picture's without folder and extension."},
+    {.name = "format",
+     .letter = 'f',
+     .metavar = "FORMAT",
+     .kind = CMD_FORMAT,
+     .help = "Texel format, such as R8G8B8A8_SRGB ('ztex help formats' lists them). Default: the "
+             "picture's own channels and depth; 8-bit colours become SRGB formats. Colours are "
+             "converted where the format's coding differs."},
+    {.name = "semantic",
+     .metavar = "NAME",
+     .kind = CMD_TEXT,
+     .fallback = "base_colour",
+     .choices = "unspecified|base_colour|normal|displacement|roughness|metalness|occlusion|"
+                "emissive|opacity|specular|occlusion_roughness_metalness",
+     .help = "What the texels mean. Those that are no colours are kept as they are, linear."},
+    {.name = "layer",
+     .metavar = "SEMANTIC=FILE",
+     .kind = CMD_TEXT,
+     .repeat = 1,
+     .help = "Another layer of the same texture: --layer normal=brick_n.png."},
+    {.name = "wrap",
+     .letter = 'w',
+     .metavar = "MODE",
+     .kind = CMD_CHOICE,
+     .choices = "repeat|mirror|clamp|border",
+     .fallback = "repeat",
+     .help = "How the texture goes on beyond its edges."},
+    {.name = "levels",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 1,
+     .max = 32,
+     .choices = "all",
+     .fallback = "all",
+     .help = "Mip levels, the first being the picture."},
+    {.name = "mip-filter",
+     .metavar = "FILTER",
+     .kind = CMD_CHOICE,
+     .choices = "kaiser|mitchell|triangle|box",
+     .fallback = "kaiser",
+     .help = "Filter for the smaller levels. It works in linear light, weighted by alpha."},
+    {.name = "alpha",
+     .metavar = "MODE",
+     .kind = CMD_CHOICE,
+     .choices = "none|straight|premultiplied",
+     .help = "How alpha is stored; none drops it. Default: as in the picture."},
+    {.name = "transfer",
+     .metavar = "NAME",
+     .kind = CMD_TEXT,
+     .choices = "srgb|linear|bt709|gamma22|gamma28|pq",
+     .help = "How the picture's colours are coded, by name or CICP number, when the picture does "
+             "not say or says it wrongly."},
+    {.name = "primaries",
+     .metavar = "NAME",
+     .kind = CMD_TEXT,
+     .choices = "bt709|p3-d65|p3-dci|bt2020|xyz",
+     .help = "Colour primaries of the picture, by name or CICP number. Default: what the picture "
+             "says, else bt709."},
+    {.name = "keep-orientation",
+     .help = "Keep the rows as they are stored. By default pictures are turned upright as their "
+             "EXIF orientation says."},
+    {.name = "array", .help = "Several pictures are the layers of an array."},
+    {.name = "cube", .help = "Six pictures are the faces +X -X +Y -Y +Z -Z of a cube."},
+    {.name = "frames",
+     .help = "Several pictures, or the subimages of one, are the frames of an animation. A name "
+             "with %d or %04d stands for frames numbered from 0 or 1."},
+    {.name = "volume", .help = "Several pictures are the slices of a volume."},
+    {.name = "meta",
+     .metavar = "KEY=VALUE",
+     .kind = CMD_TEXT,
+     .repeat = 1,
+     .help = "Metadata, such as zt.title=Brick."},
+    {.name = "license",
+     .metavar = "SPDX",
+     .kind = CMD_TEXT,
+     .help = "Licence of the work, an SPDX expression: sets zt.license."},
+    {.name = "writer", .help = "Name this program in the metadata. Not by default: equal input gives equal bytes."},
+    {.name = "tile-edge",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 16,
+     .max = 65536,
+     .choices = "16|32|64|128|256|512|1024",
+     .fallback = "256",
+     .help = "Edge of the tiles that are compressed and read one by one, a power of two."},
+    {.name = "zstd-level",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 1,
+     .max = 19,
+     .fallback = "9",
+     .help = "Effort of the compression."},
+    {.name = "raw", .help = "Do not compress."},
+    {.name = "no-fsync", .help = "Do not wait for the disk, for temporary files and bulk jobs."},
+    {0}};
+
+static const cmd_example examples[] = {
+    {"ztex make brick.png -o brick.ztex", "A texture with all mip levels."},
+    {"ztex make brick.png --layer normal=brick_n.png --layer roughness=brick_r.png -o brick.ztex",
+     "A material: three layers of one texture."},
+    {"ztex make sky_{px,nx,py,ny,pz,nz}.exr --cube --wrap clamp -o sky.ztex", "A cube map."},
+    {"ztex make 'walk_%03d.png' --frames -o walk.ztex", "An animation of numbered frames."},
+    {"ztex make scene.json -o wall.ztex", "A zipmap, or a file with several textures."},
+    {"convert brick.tif png:- | ztex make - -o - > brick.ztex", "In a pipe."},
+    {0}};
+
+static const char text[] =
+    "From a picture it makes a texture of kind image, with mip levels, for any format that "
+    "OpenImageIO reads. Several pictures become array layers, cube faces, frames or slices "
+    "(--array, --cube, --frames, --volume), and --layer adds layers such as normals.\n"
+    "\n"
+    "From a scene, a JSON file, it makes zipmaps and files with several textures. A zipmap has a "
+    "root image and patches that show parts of it more closely:\n"
+    "\n"
+    "  {\"textures\": [{\"name\": \"wall\", \"patches\": [\n"
+    "      {\"image\": {\"file\": \"wall.jpg\", \"resize\": [1024, 1024]}},\n"
+    "      {\"image\": {\"file\": \"wall.jpg\", \"crop\": [3000, 1000, 800, 600]},\n"
+    "       \"at_crop\": true},\n"
+    "      {\"name\": \"poster\", \"image\": \"poster.png\", \"ramp\": 4,\n"
+    "       \"corners\": [[0.1, 0.2], [0.3, 0.19], [0.31, 0.5], [0.1, 0.48]]},\n"
+    "      {\"image\": \"stamp.png\", \"parent\": \"poster\", \"mask\": \"stamp_mask.png\",\n"
+    "       \"offset\": [0.7, 0.1], \"scale\": [0.1, 0.1]}]}]}\n"
+    "\n"
+    "File names are relative to the scene file. A patch lies in its parent ('parent': index or "
+    "name of an earlier patch, default the root), given as exactly one of: 'offset' and 'scale' "
+    "(its corner and size in the parent's coordinates), 'corners' (where its corners (0,0) (1,0) "
+    "(1,1) (0,1) are in the parent's coordinates), 'rect_pixels' (x, y, width, height in texels of "
+    "the parent), 'matrix' (nine numbers, the parent's coordinates to the patch's), 'matrix_root' "
+    "(the root's coordinates to the patch's), or 'at_crop': true (where its crop was). Its edge "
+    "fades out over 'ramp' texels (default 8), or as the grey picture 'mask' says. 'layers' "
+    "instead of 'image' gives base colour, normal and so on: {\"base_colour\": ..., \"normal\": "
+    "...}. An image is a file name or an object: file or files with 'as' (array, cube, frames, "
+    "volume), subimage, crop, resize, format, alpha, transfer, primaries, levels, tile_edge, "
+    "mip_filter, keep_orientation. The options of the command line are defaults for all images of "
+    "the scene. docs/scene.md describes every member.";
+
+/* ---- the command line as a scene ---------------------------------------------------------------------- */
+
+static int named_number(const cmd_args *args, const char *name, int (*number_of)(const char *), int *out) {
+    const char *word = cmd_text(args, name);
+    *out = word ? number_of(word) : MAKE_UNSET;
+    if (word && *out < 0)
+        return cmd_usage(args, "--%s: there is no '%s'", name, word);
+    return CMD_OK;
+}
+
+static int read_defaults(const cmd_args *args, make_options *o) {
+    const char *format = cmd_text(args, "format");
+    uint64_t edge = cmd_integer(args, "tile-edge");
+    *o = (make_options){.alpha = cmd_choice(args, "alpha"),
+                        .mip_filter = cmd_choice(args, "mip-filter"),
+                        .levels = (int)cmd_integer(args, "levels"),
+                        .keep_orientation = cmd_given(args, "keep-orientation") > 0};
+    if (format)
+        o->format = zt_find_format_name(format)->format;
+    if ((edge & (edge - 1)) != 0)
+        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)edge);
+    /* Unsaid, the library chooses: block formats have smaller tiles. */
+    o->tile_edge = cmd_given(args, "tile-edge") ? (int)edge : 0;
+    int status = named_number(args, "transfer", cmd_transfer_number, &o->transfer);
+    return status == CMD_OK ? named_number(args, "primaries", cmd_primaries_number, &o->primaries) : status;
+}
+
+static int add_metadata(const cmd_args *args, make_scene *scene) {
+    size_t count = (size_t)cmd_given(args, "meta");
+    make_pair *pairs = make_alloc(scene, count + 8, sizeof *pairs);
+    if (!pairs)
+        return CMD_INTERNAL;
+    size_t at = scene->metadata_count;
+    if (at > 0)
+        memcpy(pairs, scene->metadata, at * sizeof *pairs);
+    for (size_t i = 0; i < count; i++) {
+        const char *word = cmd_text_at(args, "meta", i);
+        const char *equals = strchr(word, '=');
+        if (!equals || equals == word)
+            return cmd_usage(args, "--meta: '%s' is not KEY=VALUE", word);
+        pairs[at].key = make_string(scene, "%.*s", (int)(equals - word), word);
+        pairs[at].value = equals + 1;
+        if (!pairs[at++].key)
+            return CMD_INTERNAL;
+    }
+    if (cmd_text(args, "license"))
+        pairs[at++] = (make_pair){"zt.license", cmd_text(args, "license")};
+    if (cmd_given(args, "writer")) {
+        char *writer = make_string(scene, "ztex %s", zt_version_string());
+        pairs[at++] = (make_pair){"zt.writer", writer ? writer : ""};
+    }
+    scene->metadata = pairs;
+    scene->metadata_count = at;
+    return CMD_OK;
+}
+
+/* Who made the picture goes with it. Texts that are not UTF-8 stay behind. */
+static int copy_authorship(make_scene *scene, const char *path) {
+    char error[IMG_ERROR];
+    img_open_options keep = {.keep_orientation = 1};
+    img_reader *reader = img_open(path, &keep, error);
+    if (!reader)
+        return CMD_OK; /* the message comes when the picture is read */
+    const img_info *info = img_get_info(reader);
+    const char *values[2] = {info->copyright, info->artist};
+    static const char *const keys[2] = {"zt.copyright", "zt.author"};
+    make_pair *pairs = make_alloc(scene, 2, sizeof *pairs);
+    for (int i = 0; pairs && i < 2; i++) {
+        json_t *valid = json_string(values[i]);
+        if (valid && values[i][0])
+            pairs[scene->metadata_count++] = (make_pair){keys[i], make_string(scene, "%s", values[i])};
+        json_decref(valid);
+    }
+    scene->metadata = pairs;
+    img_close(reader);
+    return pairs ? CMD_OK : CMD_INTERNAL;
+}
+
+/* "walk_%03d.png" with a number in it, or NULL when the name has no such place. */
+static char *numbered(make_scene *scene, const char *pattern, unsigned number) {
+    const char *percent = strchr(pattern, '%');
+    if (!percent)
+        return NULL;
+    const char *end = percent + 1;
+    int width = 0;
+    if (*end == '0' && end[1] >= '1' && end[1] <= '9') {
+        width = end[1] - '0';
+        end += 2;
+    }
+    if (*end != 'd')
+        return NULL;
+    return make_string(scene, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, number, end + 1);
+}
+
+static int number_frames(make_scene *scene, const char *pattern, make_image *image) {
+    unsigned first = 0, count = 0;
+    const char *name = numbered(scene, pattern, 0);
+    if (!name)
+        return CMD_OK;
+    first = access(name, F_OK) != 0;
+    while ((name = numbered(scene, pattern, first + count)) != NULL && access(name, F_OK) == 0)
+        count++;
+    if (count == 0)
+        return make_complain(scene, "", "%s: there is no file with number 0 or 1", pattern);
+    make_file *files = make_alloc(scene, count, sizeof *files);
+    for (unsigned i = 0; files && i < count; i++)
+        files[i].path = numbered(scene, pattern, first + i);
+    image->files = files;
+    image->file_count = count;
+    return files ? CMD_OK : CMD_INTERNAL;
+}
+
+static int main_image(const cmd_args *args, make_scene *scene, const char *const *paths, make_image *image) {
+    static const char *const kinds[] = {"array", "cube", "frames", "volume"};
+    size_t count = args->operand_count;
+    int given = 0;
+    make_file *files = make_alloc(scene, count, sizeof *files);
+    if (!files)
+        return CMD_INTERNAL;
+    for (size_t i = 0; i < count; i++)
+        files[i].path = paths[i];
+    *image = (make_image){.files = files, .file_count = count, .options = scene->defaults, .pointer = ""};
+    for (int i = 0; i < 4; i++) {
+        if (!cmd_given(args, kinds[i]))
+            continue;
+        image->layer_kind = i == 3 ? 0 : i;
+        image->volume = i == 3;
+        given++;
+    }
+    if (given > 1)
+        return cmd_usage(args, "only one of --array, --cube, --frames, --volume");
+    if (given == 0 && count > 1)
+        return cmd_usage(args, "several pictures: say --array, --cube, --frames or --volume, or "
+                               "--layer SEMANTIC=FILE for layers of a material");
+    image->all_subimages = given && count == 1;
+    return given && count == 1 ? number_frames(scene, paths[0], image) : CMD_OK;
+}
+
+static int other_layers(const cmd_args *args, make_scene *scene, make_texture *texture) {
+    int count = cmd_given(args, "layer");
+    for (int i = 0; i < count; i++) {
+        const char *word = cmd_text_at(args, "layer", (size_t)i);
+        const char *equals = strchr(word, '=');
+        char name[64];
+        snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - word) : 0, word);
+        int semantic = cmd_semantic_number(name);
+        if (!equals || semantic < 0 || equals[1] == '\0')
+            return cmd_usage(args, "--layer: '%s' is not SEMANTIC=FILE, such as normal=brick_n.png", word);
+        if (texture->layer_count == MAKE_LAYERS)
+            return cmd_usage(args, "--layer: a texture has at most %d layers", MAKE_LAYERS);
+        make_image *image = make_alloc(scene, 1, sizeof *image);
+        make_file *file = make_alloc(scene, 1, sizeof *file);
+        if (!image || !file)
+            return CMD_INTERNAL;
+        file->path = equals + 1;
+        *image = (make_image){.files = file, .file_count = 1, .options = scene->defaults, .pointer = ""};
+        /* --format and --transfer are about the main picture. */
+        image->options.format = 0;
+        image->options.transfer = MAKE_UNSET;
+        texture->semantics[texture->layer_count] = (uint32_t)semantic;
+        texture->images[texture->layer_count++] = image;
+    }
+    return CMD_OK;
+}
+
+static const char *texture_name(const cmd_args *args, make_scene *scene, const char *path) {
+    const char *given = cmd_text(args, "name");
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    if (given)
+        return given;
+    if (strcmp(args->operands[0], "-") == 0)
+        return "";
+    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
+    char *name = make_string(scene, "%.*s", (int)(length < 255 ? length : 255), base);
+    /* A name that the format does not allow is no reason to refuse the picture. */
+    json_t *valid = name ? json_string(name) : NULL;
+    json_decref(valid);
+    return valid ? name : "";
+}
+
+static int scene_of_pictures(const cmd_args *args, make_scene *scene, const char *const *paths) {
+    make_texture *texture = make_alloc(scene, 1, sizeof *texture);
+    make_image *image = make_alloc(scene, 1, sizeof *image);
+    int semantic = cmd_semantic_number(cmd_text(args, "semantic"));
+    int wrap = cmd_choice(args, "wrap");
+    if (!texture || !image)
+        return CMD_INTERNAL;
+    if (semantic < 0)
+        return cmd_usage(args, "--semantic: there is no '%s'", cmd_text(args, "semantic"));
+    int status = main_image(args, scene, paths, image);
+    if (status != CMD_OK)
+        return status;
+    *texture = (make_texture){.name = texture_name(args, scene, image->files[0].path),
+                              .wrap = {(uint8_t)wrap, (uint8_t)wrap, (uint8_t)wrap},
+                              .layer_count = 1,
+                              .semantics = {(uint32_t)semantic},
+                              .images = {image},
+                              .pointer = ""};
+    scene->textures = texture;
+    scene->texture_count = 1;
+    status = other_layers(args, scene, texture);
+    return status == CMD_OK ? copy_authorship(scene, image->files[0].path) : status;
+}
+
+/* ---- a scene file --------------------------------------------------------------------------------------- */
+
+static int refuse_picture_options(const cmd_args *args) {
+    static const char *const names[] = {"name", "semantic", "layer", "wrap", "array", "cube", "frames", "volume"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (cmd_given(args, names[i]))
+            return cmd_usage(args, "--%s is for pictures: the scene file says it itself", names[i]);
+    if (args->operand_count > 1)
+        return cmd_usage(args, "one scene file at a time");
+    return CMD_OK;
+}
+
+static int scene_of_text(const cmd_args *args, make_scene *scene, const char *path, const char *json, size_t size) {
+    const char *slash = strrchr(path, '/');
+    int status = refuse_picture_options(args);
+    if (status != CMD_OK)
+        return status;
+    scene->name = cmd_input_name(path);
+    scene->folder = slash ? make_string(scene, "%.*s", (int)(slash - path + 1), path) : "";
+    status = scene->folder ? add_metadata(args, scene) : CMD_INTERNAL;
+    return status == CMD_OK ? make_scene_parse(scene, json, size) : status;
+}
+
+/* ---- standard input ---------------------------------------------------------------------------------------- */
+
+/* Pictures are read by name, so one from a pipe goes through a temporary file. */
+static int picture_file_of(const void *data, size_t size, char **temporary) {
+    const char *set = getenv("TMPDIR");
+    char path[1024];
+    snprintf(path, sizeof path, "%s/picture", set && *set ? set : "/tmp");
+    *temporary = cmd_temporary(path);
+    if (!*temporary)
+        return CMD_IO;
+    FILE *stream = fopen(*temporary, "wb");
+    int good = stream && fwrite(data, 1, size, stream) == size;
+    if (stream)
+        good = fclose(stream) == 0 && good;
+    return good ? CMD_OK : cmd_fail(CMD_IO, "%s: cannot be written", *temporary);
+}
+
+static int is_scene_text(const char *data, size_t size) {
+    size_t i = 0;
+    while (i < size && strchr(" \t\r\n", data[i]) && data[i])
+        i++;
+    return i < size && data[i] == '{';
+}
+
+static int is_scene_name(const char *path) {
+    size_t length = strlen(path);
+    return length > 5 && strcmp(path + length - 5, ".json") == 0;
+}
+
+/* Builds the scene from whatever the operand is. *data and *temporary are released by the caller. */
+static int read_operands(const cmd_args *args, make_scene *scene, void **data, char **temporary) {
+    const char *path = args->operands[0];
+    size_t size = 0;
+    int from_stream = strcmp(path, "-") == 0;
+    if (from_stream || is_scene_name(path)) {
+        int status = cmd_read_all(args, path, 0, data, &size);
+        if (status != CMD_OK)
+            return status;
+        if (!from_stream || is_scene_text(*data, size))
+            return scene_of_text(args, scene, path, *data, size);
+        status = picture_file_of(*data, size, temporary);
+        if (status != CMD_OK)
+            return status;
+        if (args->operand_count > 1)
+            return cmd_usage(args, "standard input holds one picture");
+    }
+    const char *one[1] = {*temporary};
+    int status = scene_of_pictures(args, scene, from_stream ? one : args->operands);
+    return status == CMD_OK ? add_metadata(args, scene) : status;
+}
+
+static int check_image_output(const make_image *image, const char *output) {
+    int status = CMD_OK;
+    for (size_t f = 0; image && status == CMD_OK && f < image->file_count; f++)
+        status = cmd_check_output(output, &image->files[f].path, 1);
+    return status;
+}
+
+static int check_patch_output(const make_patch *patch, uint32_t layer_count, const char *output) {
+    int status = check_image_output(patch->mask, output);
+    for (uint32_t i = 0; status == CMD_OK && i < layer_count; i++)
+        status = check_image_output(patch->images[i], output);
+    return status;
+}
+
+/* The pictures that a scene names are originals, which the output must not replace. */
+static int check_scene_outputs(const make_scene *scene, const char *output) {
+    int status = CMD_OK;
+    for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
+        const make_texture *texture = &scene->textures[t];
+        for (uint32_t i = 0; status == CMD_OK && !texture->is_zipmap && i < texture->layer_count; i++)
+            status = check_image_output(texture->images[i], output);
+        for (uint32_t i = 0; status == CMD_OK && i < texture->patch_count; i++)
+            status = check_patch_output(&texture->patches[i], texture->layer_count, output);
+    }
+    return status;
+}
+
+static int run(cmd_args *args) {
+    const char *output = cmd_text(args, "output");
+    make_scene scene = {.folder = ""};
+    void *data = NULL;
+    char *temporary = NULL;
+    cmd_progress progress;
+    zt_writer_options writer = {.size = sizeof writer,
+                                .zstd_level = (int)cmd_integer(args, "zstd-level"),
+                                .raw_only = cmd_given(args, "raw") > 0,
+                                .flags = cmd_given(args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0,
+                                .user = &progress,
+                                .progress = cmd_progress_step};
+    if (!output)
+        return cmd_usage(args, "-o FILE is missing: where shall the texture go?");
+    int status = cmd_check_output(output, args->operands, args->operand_count);
+    if (status == CMD_OK)
+        status = read_defaults(args, &scene.defaults);
+    if (status == CMD_OK)
+        status = read_operands(args, &scene, &data, &temporary);
+    if (status == CMD_OK)
+        status = check_scene_outputs(&scene, output);
+    cmd_progress_begin(&progress, args, "making");
+    if (status == CMD_OK)
+        status = make_store_scene(args, &scene, output, &writer, &progress);
+    cmd_progress_end(&progress);
+    make_scene_release(&scene);
+    cmd_temporary_drop(temporary);
+    free(data);
+    return status;
+}
+
+const cmd_verb verb_make = {
+    .name = "make",
+    .summary = "Make a texture file from pictures or a scene",
+    .synopsis = "[OPTION]... PICTURE... -o OUT.ztex\n[OPTION]... SCENE.json -o OUT.ztex",
+    .text = text,
+    .options = options,
+    .examples = examples,
+    .operand = CMD_FILE,
+    .min_operands = 1,
+    .max_operands = 0,
+    .common = CMD_WITH_THREADS | CMD_WITH_MEMORY,
+    .run = run,
+};
