@@ -23,13 +23,8 @@ void zt_get_file(const zt_file *file, zt_file_info *out) {
     out->image_count = file->image_count;
 }
 
-zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info *out) {
-    if (!out)
-        return ZT_BAD_ARGUMENT;
+void zt__chunk_info_of(const zt__entry *e, zt_chunk_info *out) {
     memset(out, 0, sizeof *out);
-    if (!file || chunk >= file->chunk_count)
-        return ZT_BAD_ARGUMENT;
-    const zt__entry *e = &file->entries[chunk];
     for (int i = 0; i < 4; i++)
         out->type[i] = (char)(e->type >> 8 * i & 0xff);
     out->version = e->version;
@@ -40,6 +35,15 @@ zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info *out) 
     out->decoded_size = e->decoded_size;
     out->stored_hash = e->stored_hash;
     out->decoded_hash = e->decoded_hash;
+}
+
+zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info *out) {
+    if (!out)
+        return ZT_BAD_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    if (!file || chunk >= file->chunk_count)
+        return ZT_BAD_ARGUMENT;
+    zt__chunk_info_of(&file->entries[chunk], out);
     return ZT_OK;
 }
 

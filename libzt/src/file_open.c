@@ -22,7 +22,29 @@ void zt__limits_fill(zt_limits *limits) {
 #undef DEFAULT
 }
 
-zt_result zt__file_new(const zt_open_options *options, zt_diag *diag, zt_file **out) {
+static zt_result attach(zt_file *file, const zt__source *source, zt_diag *diag) {
+    switch (source->kind) {
+    case ZT__FROM_MEMORY:
+        if (!source->data && source->size > 0)
+            return zt__bad_argument(diag, "data is NULL");
+        file->memory_io.data = source->data;
+        file->memory_io.size = source->size;
+        file->io = zt__io_of_memory(&file->memory_io);
+        return ZT_OK;
+    case ZT__FROM_PATH:
+        if (!source->path)
+            return zt__bad_argument(diag, "path is NULL");
+        return zt__path_io_open(&file->path_io, source->path, diag, &file->io);
+    case ZT__FROM_IO:
+        if (!source->io || !source->io->read_at)
+            return zt__bad_argument(diag, "io or its read_at is NULL");
+        file->io = *source->io;
+        return ZT_OK;
+    }
+    return ZT_INTERNAL;
+}
+
+zt_result zt__file_new(const zt_open_options *options, const zt__source *source, zt_diag *diag, zt_file **out) {
     zt_limits limits = {0};
     zt__memory memory;
     void *block;
@@ -43,6 +65,11 @@ zt_result zt__file_new(const zt_open_options *options, zt_diag *diag, zt_file **
     file->limits = limits;
     file->flags = options ? options->flags : 0;
     atomic_init(&file->metadata, NULL);
+    zt_result result = attach(file, source, diag);
+    if (result != ZT_OK) {
+        zt__file_free(file, NULL);
+        return result;
+    }
     *out = file;
     return ZT_OK;
 }

@@ -85,8 +85,24 @@ typedef struct zt__payload_hooks {
     void (*close)(zt_file *file, uint32_t texture);
 } zt__payload_hooks;
 
-/* Allocates an empty file for an io, with allocator and limits. */
-zt_result zt__file_new(const zt_open_options *options, zt_diag *diag, zt_file **out);
+/* Where the bytes of a file come from. */
+typedef enum zt__source_kind { ZT__FROM_MEMORY = 0, ZT__FROM_PATH = 1, ZT__FROM_IO = 2 } zt__source_kind;
+
+typedef struct zt__source {
+    zt__source_kind kind;
+    const void *data; /* of size bytes, which must stay */
+    size_t size;
+    const char *path;
+    const zt_io *io; /* copied */
+} zt__source;
+
+/* Allocates an empty file with allocator and limits, that reads from source. */
+zt_result zt__file_new(const zt_open_options *options, const zt__source *source, zt_diag *diag, zt_file **out);
+
+/* What a directory entry says, in public. */
+void zt__chunk_info_of(const zt__entry *entry, zt_chunk_info *out);
+
+/* file may be NULL; hooks may be NULL before the walk. */
 void zt__file_free(zt_file *file, const zt__payload_hooks *hooks);
 
 /* Reads and checks preamble, directory, structure chunks. In the validator it goes on where it can; *usable says

@@ -269,20 +269,6 @@ zt_result zt_recover(const zt_io *io, zt_writer *writer, const zt_recover_option
     return result;
 }
 
-static void to_info(const zt__entry *e, zt_chunk_info *out) {
-    memset(out, 0, sizeof *out);
-    for (int i = 0; i < 4; i++)
-        out->type[i] = (char)(e->type >> 8 * i & 0xff);
-    out->version = e->version;
-    out->flags = e->flags;
-    out->codec = e->codec;
-    out->offset = e->offset;
-    out->stored_size = e->stored_size;
-    out->decoded_size = e->decoded_size;
-    out->stored_hash = e->stored_hash;
-    out->decoded_hash = e->decoded_hash;
-}
-
 zt_result zt_find_chunks(const zt_io *io, const zt_limits *limits, void *user,
                          int (*found)(void *user, const zt_chunk_info *chunk, int intact), zt_diag *diag) {
     zt_recover_report report = {0};
@@ -294,7 +280,7 @@ zt_result zt_find_chunks(const zt_io *io, const zt_limits *limits, void *user,
     begin(&r, NULL, limits);
     zt_result result = zt__recover_find(&r);
     for (uint32_t i = 0; result == ZT_OK && i < r.found_count; i++) {
-        to_info(&r.found[i].entry, &info);
+        zt__chunk_info_of(&r.found[i].entry, &info);
         if (found(user, &info, r.found[i].intact))
             result = zt__fail(diag, ZT_CANCELLED, 0, ZT__NO_OFFSET, "cancelled");
     }

@@ -220,8 +220,9 @@ zt_result zt__recover_open(zt__recovery *r, bool lone_texture, bool *usable, boo
     zt_diag diag;
     zt__begin(&diag);
     ZT_TRY(build(r, lone_texture));
-    ZT_TRY(zt__file_new(&options, r->diag, &r->file));
-    r->file->io = (zt_io){r, read_laid_out, r->laid_out_size};
+    const zt_io io = {r, read_laid_out, r->laid_out_size};
+    const zt__source source = {.kind = ZT__FROM_IO, .io = &io};
+    ZT_TRY(zt__file_new(&options, &source, r->diag, &r->file));
     zt__sink sink = {.diag = &diag, .check = &check, .summary = &summary};
     zt_result result = zt__walk(r->file, &sink, &hooks, usable);
     *usable = *usable && !v.images_bad; /* a writer would refuse them */

@@ -2,9 +2,15 @@
 /* Opening and closing files, and what is in a texture. */
 #include "texture.h"
 
-static zt_result open_with(zt_file *file, zt_diag *diag, zt_file **out) {
+static zt_result open_source(const zt__source *source, const zt_open_options *options, zt_diag *diag, zt_file **out) {
     zt__sink sink = {0};
+    zt_file *file;
     bool usable;
+    zt__begin(diag);
+    if (!out)
+        return zt__bad_argument(diag, "out is NULL");
+    *out = NULL;
+    ZT_TRY(zt__file_new(options, source, diag, &file));
     sink.diag = diag;
     zt_result result = zt__walk(file, &sink, &zt__texture_hooks, &usable);
     if (result != ZT_OK) {
@@ -15,49 +21,19 @@ static zt_result open_with(zt_file *file, zt_diag *diag, zt_file **out) {
     return ZT_OK;
 }
 
-/* The common beginning: *out is NULL from here on, *file is empty. */
-static zt_result begin(const zt_open_options *options, zt_diag *diag, zt_file **out, zt_file **file) {
-    zt__begin(diag);
-    if (!out)
-        return zt__bad_argument(diag, "out is NULL");
-    *out = NULL;
-    return zt__file_new(options, diag, file);
-}
-
 zt_result zt_open_memory(const void *data, size_t size, const zt_open_options *options, zt_diag *diag, zt_file **out) {
-    zt_file *file;
-    ZT_TRY(begin(options, diag, out, &file));
-    if (!data && size > 0) {
-        zt__file_free(file, &zt__texture_hooks);
-        return zt__bad_argument(diag, "data is NULL");
-    }
-    file->memory_io.data = data;
-    file->memory_io.size = size;
-    file->io = zt__io_of_memory(&file->memory_io);
-    return open_with(file, diag, out);
+    const zt__source source = {.kind = ZT__FROM_MEMORY, .data = data, .size = size};
+    return open_source(&source, options, diag, out);
 }
 
 zt_result zt_open_path(const char *path, const zt_open_options *options, zt_diag *diag, zt_file **out) {
-    zt_file *file;
-    ZT_TRY(begin(options, diag, out, &file));
-    zt_result result = path ? zt__path_io_open(&file->path_io, path, diag, &file->io)
-                            : zt__bad_argument(diag, "path is NULL");
-    if (result != ZT_OK) {
-        zt__file_free(file, &zt__texture_hooks);
-        return result;
-    }
-    return open_with(file, diag, out);
+    const zt__source source = {.kind = ZT__FROM_PATH, .path = path};
+    return open_source(&source, options, diag, out);
 }
 
 zt_result zt_open_io(const zt_io *io, const zt_open_options *options, zt_diag *diag, zt_file **out) {
-    zt_file *file;
-    ZT_TRY(begin(options, diag, out, &file));
-    if (!io || !io->read_at) {
-        zt__file_free(file, &zt__texture_hooks);
-        return zt__bad_argument(diag, "io or its read_at is NULL");
-    }
-    file->io = *io;
-    return open_with(file, diag, out);
+    const zt__source source = {.kind = ZT__FROM_IO, .io = io};
+    return open_source(&source, options, diag, out);
 }
 
 void zt_close(zt_file *file) {

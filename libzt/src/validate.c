@@ -337,25 +337,7 @@ static zt_result run_check(validation *v) {
     return check_texels(v);
 }
 
-static zt_result begin(const zt_check_options *options, zt_check_options *filled, zt_diag *diag, zt_check_summary *out,
-                       zt_file **file) {
-    zt_open_options open = {0};
-    zt__begin(diag);
-    *file = NULL;
-    memset(filled, 0, sizeof *filled);
-    if (!out)
-        return zt__bad_argument(diag, "out is NULL");
-    memset(out, 0, sizeof *out);
-    if (options && options->size != 0 && options->size != sizeof *options)
-        return zt__bad_argument(diag, "zt_check_options.size is not sizeof(zt_check_options)");
-    if (options)
-        *filled = *options;
-    open.allocator = filled->allocator;
-    open.limits = filled->limits;
-    return zt__file_new(&open, diag, file);
-}
-
-static zt_result finish(zt_file *file, const zt_check_options *options, zt_diag *diag, zt_check_summary *out) {
+static zt_result check_file(zt_file *file, const zt_check_options *options, zt_diag *diag, zt_check_summary *out) {
     validation v = {0};
     zt_diag own = {0};
     v.file = file;
@@ -365,7 +347,6 @@ static zt_result finish(zt_file *file, const zt_check_options *options, zt_diag 
     v.sink.diag = diag ? diag : &own;
     out->complete = 1;
     zt_result result = run_check(&v);
-    zt__file_free(file, &zt__texture_hooks);
     if (result == ZT_CANCELLED)
         zt__fail(diag, ZT_CANCELLED, 0, ZT__NO_OFFSET, "the check was cancelled");
     if (result == ZT_OK)
@@ -373,42 +354,39 @@ static zt_result finish(zt_file *file, const zt_check_options *options, zt_diag 
     return result;
 }
 
+static zt_result check_source(const zt__source *source, const zt_check_options *options, zt_diag *diag,
+                              zt_check_summary *out) {
+    zt_check_options filled = {0};
+    zt_open_options open = {0};
+    zt_file *file;
+    zt__begin(diag);
+    if (!out)
+        return zt__bad_argument(diag, "out is NULL");
+    memset(out, 0, sizeof *out);
+    if (options && options->size != 0 && options->size != sizeof *options)
+        return zt__bad_argument(diag, "zt_check_options.size is not sizeof(zt_check_options)");
+    if (options)
+        filled = *options;
+    open.allocator = filled.allocator;
+    open.limits = filled.limits;
+    ZT_TRY(zt__file_new(&open, source, diag, &file));
+    zt_result result = check_file(file, &filled, diag, out);
+    zt__file_free(file, &zt__texture_hooks);
+    return result;
+}
+
 zt_result zt_check_memory(const void *data, size_t size, const zt_check_options *options, zt_diag *diag,
                           zt_check_summary *out) {
-    zt_check_options filled;
-    zt_file *file;
-    ZT_TRY(begin(options, &filled, diag, out, &file));
-    if (!data && size > 0) {
-        zt__file_free(file, &zt__texture_hooks);
-        return zt__bad_argument(diag, "data is NULL");
-    }
-    file->memory_io.data = data;
-    file->memory_io.size = size;
-    file->io = zt__io_of_memory(&file->memory_io);
-    return finish(file, &filled, diag, out);
+    const zt__source source = {.kind = ZT__FROM_MEMORY, .data = data, .size = size};
+    return check_source(&source, options, diag, out);
 }
 
 zt_result zt_check_path(const char *path, const zt_check_options *options, zt_diag *diag, zt_check_summary *out) {
-    zt_check_options filled;
-    zt_file *file;
-    ZT_TRY(begin(options, &filled, diag, out, &file));
-    zt_result result = path ? zt__path_io_open(&file->path_io, path, diag, &file->io)
-                            : zt__bad_argument(diag, "path is NULL");
-    if (result != ZT_OK) {
-        zt__file_free(file, &zt__texture_hooks);
-        return result;
-    }
-    return finish(file, &filled, diag, out);
+    const zt__source source = {.kind = ZT__FROM_PATH, .path = path};
+    return check_source(&source, options, diag, out);
 }
 
 zt_result zt_check_io(const zt_io *io, const zt_check_options *options, zt_diag *diag, zt_check_summary *out) {
-    zt_check_options filled;
-    zt_file *file;
-    ZT_TRY(begin(options, &filled, diag, out, &file));
-    if (!io || !io->read_at) {
-        zt__file_free(file, &zt__texture_hooks);
-        return zt__bad_argument(diag, "io or its read_at is NULL");
-    }
-    file->io = *io;
-    return finish(file, &filled, diag, out);
+    const zt__source source = {.kind = ZT__FROM_IO, .io = io};
+    return check_source(&source, options, diag, out);
 }
