@@ -19,6 +19,7 @@ void zt__limits_fill(zt_limits *limits) {
     DEFAULT(patches, UINT32_C(1) << 20);
     DEFAULT(tile_size, UINT32_C(1) << 26);
     DEFAULT(texture_depth, 8);
+    DEFAULT(shown_textures, 4096);
 #undef DEFAULT
 }
 

@@ -238,6 +238,7 @@ void zt_sampler_close(zt_sampler *sampler) {
 typedef struct sampling {
     const zt_sampler *sampler;
     zt__sample_call call;
+    uint32_t shown; /* textures for the present point */
 } sampling;
 
 static zt_result show(void *user, uint32_t index, const zt_point *point, zt__colours out);
@@ -257,9 +258,15 @@ static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3]
     return ZT_OK;
 }
 
-/* Recursion ends: a texture shows only earlier ones, and opening has bounded how deep. */
+/* Recursion ends: a texture shows only earlier ones, and opening has bounded how deep. How many are shown for one point grows
+ * as a power of the depth where patches overlap, so that is bounded as well. */
 static zt_result show(void *user, uint32_t index, const zt_point *point, zt__colours out) {
-    return sample_node(user, index, clamped, point, out);
+    sampling *s = user;
+    uint32_t most = s->sampler->file->limits.shown_textures;
+    if (++s->shown > most)
+        return zt__fail(s->call.diag, ZT_LIMIT, 1012, ZT__NO_OFFSET,
+                        "a lookup shows more than %u textures, the limit (zt_limits.shown_textures)", most);
+    return sample_node(s, index, clamped, point, out);
 }
 
 /* The third coordinate is for volumes alone and not looked at elsewhere. */
@@ -289,6 +296,7 @@ zt_result zt_sample(const zt_sampler *sampler, const zt_point *points, size_t co
             out[0] = out[1] = out[2] = out[3] = 0.0f;
             continue;
         }
+        s.shown = 0;
         zt__colours wanted = {sampler->layer == 0 ? out : NULL, sampler->layer > 0 ? out : NULL};
         result = sample_node(&s, 0, sampler->wraps, &point, wanted);
     }

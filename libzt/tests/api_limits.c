@@ -19,7 +19,8 @@ typedef enum field {
     LAYERS,
     PATCHES,
     TILE_SIZE,
-    DEPTH
+    DEPTH,
+    SHOWN
 } field;
 
 static void set(zt_limits *limits, field which, uint64_t value) {
@@ -54,6 +55,9 @@ static void set(zt_limits *limits, field which, uint64_t value) {
         break;
     case DEPTH:
         limits->texture_depth = small;
+        break;
+    case SHOWN:
+        limits->shown_textures = small;
         break;
     }
 }
@@ -163,7 +167,7 @@ static void test_ends(void) {
     memset(&most, 0xFF, sizeof most);
     CHECK(open_limited(b, &zero, METADATA, &memory, &diag) == ZT_OK);
     CHECK(open_limited(b, &most, METADATA, &memory, &diag) == ZT_OK);
-    for (int i = FILE_SIZE; i <= DEPTH; i++) {
+    for (int i = FILE_SIZE; i <= SHOWN; i++) {
         zt_limits one = {0};
         set(&one, (field)i, 1);
         zt_result result = open_limited(b, &one, (field)i, &memory, &diag);
@@ -185,8 +189,8 @@ static zt_result append(void *user, const void *data, size_t size) {
     return ZT_OK;
 }
 
-/* Texture 0 is an image; each of the zipmaps 1 to depth shows the one before. */
-static void write_chain(uint32_t depth) {
+/* Texture 0 is an image without coverage; each of the zipmaps 1 to depth shows the one before in so many patches. */
+static void write_chain(uint32_t depth, uint32_t copies) {
     static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint8_t texels[16] = {0};
     zt_sink sink = {NULL, append};
@@ -200,18 +204,21 @@ static void write_chain(uint32_t depth) {
     CHECK(zt_writer_add_texture(writer, &plain, NULL, &index) == ZT_OK);
     for (uint32_t i = 0; i < depth; i++) {
         uint32_t shown = index;
-        zt_patch_desc patches[2] = {{.sources = &root, .mask = ZT_NONE},
-                                    {.sources = &shown, .shows_texture = 1, .mask = ZT_NONE}};
-        memcpy(patches[0].matrix, identity, sizeof identity);
-        memcpy(patches[1].matrix, identity, sizeof identity);
-        CHECK(zt_writer_add_zipmap(writer, &zoom, patches, 2, NULL, &index) == ZT_OK);
+        zt_patch_desc patches[4] = {{.sources = &root, .mask = ZT_NONE}};
+        assert(copies < 4);
+        for (uint32_t k = 1; k <= copies; k++)
+            patches[k] = (zt_patch_desc){.sources = &shown, .shows_texture = 1, .mask = ZT_NONE};
+        for (uint32_t k = 0; k <= copies; k++)
+            memcpy(patches[k].matrix, identity, sizeof identity);
+        CHECK(zt_writer_add_zipmap(writer, &zoom, patches, copies + 1, NULL, &index) == ZT_OK);
     }
     CHECK(zt_writer_finish(writer, NULL) == ZT_OK);
     zt_writer_close(writer);
 }
 
 static void test_depth(uint32_t depth) {
-    write_chain(depth);
+    chain_size = 0;
+    write_chain(depth, 1);
     for (uint32_t limit = depth - 1; limit <= depth + 1; limit++) {
         zt_limits limits = {.texture_depth = limit};
         zt_open_options options = {.limits = &limits};
@@ -224,6 +231,29 @@ static void test_depth(uint32_t depth) {
         CHECK(result == ZT_OK || diag.rule == 1011);
         if (result != (limit < depth ? ZT_LIMIT : ZT_OK))
             fprintf(stderr, "depth %u, limit %u: %s\n", depth, limit, zt_result_text(result));
+        zt_sampler_close(sampler);
+        zt_close(file);
+    }
+}
+
+/* Three patches that each show a zipmap of three patches: 3 + 9 textures for one point. Without a limit the work would grow
+ * with the depth as a power. */
+static void test_shown(void) {
+    chain_size = 0;
+    write_chain(2, 3);
+    for (uint32_t limit = 11; limit <= 13; limit++) {
+        zt_limits limits = {.shown_textures = limit};
+        zt_open_options options = {.limits = &limits};
+        zt_point points[2] = {{.u = 0.5, .v = 0.5}, {.u = 0.25, .v = 0.75}};
+        float out[8];
+        zt_diag diag;
+        zt_file *file;
+        zt_sampler *sampler;
+        CHECK(zt_open_memory(chain, chain_size, &options, &diag, &file) == ZT_OK);
+        CHECK(zt_sampler_open(file, 2, NULL, &diag, &sampler) == ZT_OK);
+        zt_result result = zt_sample(sampler, points, 2, out, &diag);
+        CHECK(result == (limit < 12 ? ZT_LIMIT : ZT_OK));
+        CHECK(result == ZT_OK || diag.rule == 1012);
         zt_sampler_close(sampler);
         zt_close(file);
     }
@@ -321,5 +351,6 @@ int main(void) {
     test_memory_of_calls("tail_exactly_262144.ztex");
     test_ends();
     test_depth(4);
+    test_shown();
     return test_end();
 }

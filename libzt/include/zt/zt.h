@@ -124,17 +124,18 @@ typedef struct zt_io {
 
 /* Ceilings; 0 means the default named beside each. There is no "unlimited": give a large number. */
 typedef struct zt_limits {
-    uint64_t file_size;     /* 2^40 */
-    uint64_t memory;        /* bytes allocated at once for one file, its samplers and their calls; 2^30 */
-    uint64_t metadata;      /* decoded bytes of META; 2^24 */
-    uint32_t chunks;        /* 65535 */
-    uint32_t textures;      /* 65536 */
-    uint32_t images;        /* 2^20 */
-    uint32_t dimension;     /* width, height and depth; 2^20 */
-    uint32_t layers;        /* array layers of an image; 2^16 */
-    uint32_t patches;       /* of one zipmap; 2^20 */
-    uint32_t tile_size;     /* decoded bytes of a tile or a mip tail; 2^26 */
-    uint32_t texture_depth; /* textures shown by patches of textures; 8 */
+    uint64_t file_size;      /* 2^40 */
+    uint64_t memory;         /* bytes allocated at once for one file, its samplers and their calls; 2^30 */
+    uint64_t metadata;       /* decoded bytes of META; 2^24 */
+    uint32_t chunks;         /* 65535 */
+    uint32_t textures;       /* 65536 */
+    uint32_t images;         /* 2^20 */
+    uint32_t dimension;      /* width, height and depth; 2^20 */
+    uint32_t layers;         /* array layers of an image; 2^16 */
+    uint32_t patches;        /* of one zipmap; 2^20 */
+    uint32_t tile_size;      /* decoded bytes of a tile or a mip tail; 2^26 */
+    uint32_t texture_depth;  /* textures shown by patches of textures; 8 */
+    uint32_t shown_textures; /* such textures looked up for one point; 4096 */
 } zt_limits;
 
 /* Runs task(context, i, worker) for every i below count, in any order and on any thread, and returns when all are done.
