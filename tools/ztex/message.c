@@ -6,6 +6,8 @@
 #include <string.h>
 
 /* Messages quote names and texts from outside, so the whole line is made safe, here and once. */
+static void print_line(const char *prefix, const char *format, va_list list) CMD_PRINTF(2, 0);
+
 static void print_line(const char *prefix, const char *format, va_list list) {
     char text[2048];
     vsnprintf(text, sizeof text, format, list);
