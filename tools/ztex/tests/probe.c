@@ -61,8 +61,9 @@ static json_t *images_of(const zt_file *file, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         zt_image_info m;
         zt_get_image(file, i, &m);
+        const zt_format_info *format = zt_find_format(m.format);
         json_array_append_new(list, json_pack("{ss s[iii] si si si si si si si}", "format",
-                                              zt_find_format(m.format)->name, "size", (int)m.width, (int)m.height,
+                                              format ? format->name : "unknown", "size", (int)m.width, (int)m.height,
                                               (int)m.depth, "layers", (int)m.layers, "layer_kind", m.layer_kind,
                                               "levels", (int)m.levels, "tile_edge", (int)m.tile_edge, "alpha",
                                               m.alpha_mode, "primaries", m.primaries, "transfer", m.transfer));
@@ -97,25 +98,31 @@ static int print_texels(const zt_file *file, uint32_t image, uint32_t level, zt_
     return result != ZT_OK;
 }
 
-int main(int argc, char **argv) {
-    zt_diag diag = {0};
-    zt_file *file;
+static void print_facts(const zt_file *file, const char *path, zt_diag *diag) {
     zt_file_info info;
     zt_check_summary summary;
     json_t *findings = json_array();
     zt_check_options check = {.user = findings, .finding = add_finding};
+    zt_get_file(file, &info);
+    zt_check_path(path, &check, diag, &summary);
+    json_t *root = json_pack("{so so so so}", "findings", findings, "textures", textures_of(file, info.texture_count),
+                             "images", images_of(file, info.image_count), "metadata", metadata_of(file, diag));
+    json_dumpf(root, stdout, JSON_INDENT(1));
+    json_decref(root);
+}
+
+int main(int argc, char **argv) {
+    zt_diag diag = {0};
+    zt_file *file;
+    int failed = 0;
     if (argc < 2 || zt_open_path(argv[1], NULL, &diag, &file) != ZT_OK) {
         fprintf(stderr, "%s\n", diag.text);
         return 1;
     }
     if (argc == 4)
-        return print_texels(file, (uint32_t)atoi(argv[2]), (uint32_t)atoi(argv[3]), &diag);
-    zt_get_file(file, &info);
-    zt_check_path(argv[1], &check, &diag, &summary);
-    json_t *root = json_pack("{so so so so}", "findings", findings, "textures", textures_of(file, info.texture_count),
-                             "images", images_of(file, info.image_count), "metadata", metadata_of(file, &diag));
-    json_dumpf(root, stdout, JSON_INDENT(1));
-    json_decref(root);
+        failed = print_texels(file, (uint32_t)atoi(argv[2]), (uint32_t)atoi(argv[3]), &diag);
+    else
+        print_facts(file, argv[1], &diag);
     zt_close(file);
-    return 0;
+    return failed;
 }
