@@ -35,7 +35,7 @@ static zt_writer *begin(output *out, fuzz_memory *memory, uint32_t flags) {
     zt_limits limits = {.memory = memory->ceiling};
     zt_sink sink = {out, collect};
     zt_writer_options options = {
-        .allocator = &memory->allocator, .limits = &limits, .zstd_level = 1, .raw_only = flags & 1};
+        .allocator = &memory->allocator, .limits = &limits, .effort = 1, .raw_only = flags & 1};
     zt_writer *writer;
     zt_diag diag;
     memset(out, 0, sizeof *out);

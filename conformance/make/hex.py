@@ -10,6 +10,8 @@ import os
 import sys
 
 EXAMPLES = {"first.hex": "first.ztex", "zipmap.hex": "zip_patch_smallest.ztex"}
+PARTS = {"pred.hex": "pred_example.ztex"}             # part of a file: the last tile
+QUOTED = ("first.hex", "pred.hex")                    # dumps that ztex.md shows
 
 
 def parse(text: str) -> bytes:
@@ -25,30 +27,33 @@ def between(text: str, begin: str, end: str) -> tuple:
 
 def check(spec: str, valid: dict, write: bool) -> list:
     """Problems with the dumps of spec/examples: bytes other than the corpus, or another dump in
-    ztex.md. `write` brings the dump into ztex.md."""
+    ztex.md. `write` brings the dumps into ztex.md."""
     problems = []
     texts = {}
-    for name, file in EXAMPLES.items():
+    for name, file in (EXAMPLES | PARTS).items():
         path = os.path.join(spec, "examples", name)
         if not os.path.exists(path):
             problems.append("spec/examples/%s: missing" % name)
             continue
         with open(path, encoding="utf-8") as f:
             texts[name] = f.read()
-        if parse(texts[name]) != valid[file]:
+        data = parse(texts[name])
+        if name in EXAMPLES and data != valid[file]:
             problems.append("spec/examples/%s: not the bytes of valid/%s" % (name, file))
-    if "first.hex" in texts:
+        if name in PARTS and not valid[file].rstrip(b"\0").endswith(data.rstrip(b"\0")):
+            problems.append("spec/examples/%s: not the last tile of valid/%s" % (name, file))
+    for name in (n for n in QUOTED if n in texts):
         path = os.path.join(spec, "ztex.md")
         with open(path, encoding="utf-8") as f:
             old = f.read()
-        before, inside, behind = between(old, "<!-- first.hex begins -->",
-                                         "<!-- first.hex ends -->")
-        wanted = "\n```\n%s\n```\n" % texts["first.hex"].rstrip("\n")
+        before, inside, behind = between(old, "<!-- %s begins -->" % name,
+                                         "<!-- %s ends -->" % name)
+        wanted = "\n```\n%s\n```\n" % texts[name].rstrip("\n")
         if inside != wanted and write:
             with open(path, "w", encoding="utf-8") as f:
                 f.write(before + wanted + behind)
         elif inside != wanted:
-            problems.append("spec/ztex.md: the dump of section 1 is not examples/first.hex")
+            problems.append("spec/ztex.md: a dump is not examples/%s" % name)
     return problems
 
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import xxhash
 
-from valid import (GRID, GRID_IMAGES, PATTERN, PLACED, RUN, decal, dot, mask, place, root, run_file,
-                   zipmap)
+from predmake import Pred, Tile, frequency_bits, symbols, table_bits
+from valid import (GRID, GRID_IMAGES, PATTERN, PLACED, RUN, decal, dot, from_residuals, mask,
+                   picture, place, pred, root, run_file, zipmap)
 from ztexmake import (FORMAT_BY_NAME, IDENTITY, NONE, R8, RG8, RGB8, RGBA8, RGBA8_SRGB, Chunk, File,
                       Image, Overrides,
                       Patch, Plane, Texture, Zipmap, block, blocks, flat, flip, flip_at, frame,
@@ -490,10 +491,12 @@ TILES = File([Image(R8, 130, 20, tile_log2=4, texels=flat(33),
                     codec=stored_zstd)])        # 18 tiles, all zstd: 14 or 16 to 1
 RAW_TILES = File([Image(R8, 130, 20, tile_log2=4)])
 TAIL = File([Image(R8, 16, 16, texels=flat(1), codec=stored_zstd)])
-for value in (2, 3, 224, 255):
+for value in (3, 224, 255):
     bad("R5201", "codec_%d" % value, "A tile has codec %d." % value, {"tile.0.0.3.codec": value},
         TILES)
-bad("R5201", "tail_codec_2", "The tail has codec 2.", {"tile.0.0.0.codec": 2}, TAIL)
+for value in (3, 255):
+    bad("R5201", "tail_codec_%d" % value, "The tail has codec %d." % value,
+        {"tile.0.0.0.codec": value}, TAIL)
 for k in range(3):
     bad("R5201", "reserved_%d" % k, "A reserved byte of an index record is not zero.",
         {"tile.0.0.3.reserved": 1 << 8 * k}, TILES)
@@ -548,6 +551,276 @@ for rule, name, what, stored, also in (
         ("R5004", "tile_bomb", "The frame of a tile decodes to 1 MiB.",
          frame_header(256) + rle_block(33, 131072) * 7 + rle_block(33, 131072, True), "R5203")):
     bad(rule, name, what, {"tile.0.0.3.stored": stored}, TILES, also)
+
+# ---- 5300: tiles of codec 2, "pred" --------------------------------------------------------------
+
+# Three bases: 8 bits with the colour bit, two tables and four planes; the same with a zero map;
+# 16 bits, two planes of four.
+PRED = File([pred(RGBA8, 65, 16, colour=True, table_count=2)])
+PRED_MAP = File([pred(RGBA8, 130, 9, picture(RGBA8, 130, 9, flat_until=100), colour=True,
+                      zero_map=True, table_count=2)])
+PRED_16 = File([pred(77, 65, 16, table_count=2)])
+PRED_FLAT = File([pred(RGBA8, 65, 3, lambda level, size: b"\1\2\3\4" * 195)])     # no plane coded
+PRED_ONES = File([from_residuals(R8, 65, 9, lambda c, x, y: 1)])          # no words
+PRED_WIDE = File([from_residuals(R8, 65, 20, lambda c, x, y: 1, lane_code=2)])
+
+
+def parts(base: File) -> dict:
+    """The place of each field of the only tile: name -> (start, end)."""
+    places, found = {}, []
+
+    class Watch:
+        def get(self, path, value):
+            if isinstance(value, (bytes, int)) and not path.endswith("stored"):
+                found.append((path.split(".")[-1], 1 if isinstance(value, int) else len(value)))
+            return value
+    image = base.images[0]
+    (_, tiles), = image.units()
+    image.codec(0, 0, tiles[0])[1].build(Watch(), "")
+    at = 0
+    for name, size in found:
+        places[name] = at, at + size
+        at += size
+    return places
+
+
+def pred_bad(rule, name, what, edits=None, base=PRED, also=""):
+    """Edits of fields of the only tile, or of its record: tile.0.0.0.FIELD."""
+    bad(rule, "pred_" + name, what, {k if k.startswith("tile.") else "pred.0.0.0." + k: v
+                                     for k, v in (edits or {}).items()}, base, also)
+
+
+def table_of(frequencies: list) -> str:
+    """A table of these frequencies, whatever they sum to."""
+    out, before = "", 8
+    for f in frequencies:
+        bits, before = frequency_bits(f, before)
+        out += bits
+    return out
+
+
+def pred_anyway(image: Image, n: int, size: int, **how) -> File:
+    """An image whose tiles, or tail, have codec 2 where that may not be."""
+    def codec(level, tile, data):
+        w, h = image.tile_size(level, tile)
+        return 2, Tile(Pred(n, size, **how), w, len(data) // (w * n * size), data)
+    image.codec = codec
+    return File([image])
+
+
+MIXED = pred(R8, 100, 50, levels=7, texels=lambda level, size: bytes([level]) * size)
+MIXED.codec = lambda level, tile, data: (2, Tile(Pred(1), *((100, 50) if level == 0
+    else (len(data), 1)), data))
+bad("R5301", "tail", "A mip tail of one level has codec 2.",
+    base=pred_anyway(Image(RGBA8, 64, 16, texels=picture(RGBA8, 64, 16)), 4, 1))
+bad("R5301", "tail_no_plane", "A mip tail of one level and one value has codec 2.",
+    base=pred_anyway(Image(R8, 16, 16, texels=flat(3)), 1, 1))
+bad("R5301", "tail_of_levels", "Level 0 has codec 2, and so has the tail of six levels behind it.",
+    base=File([MIXED]))
+bad("R5301", "tail_16_bit", "A mip tail of RGBA16 has codec 2.",
+    base=pred_anyway(Image(91, 60, 8, texels=picture(91, 60, 8)), 4, 2))
+for number, n, size, what in (
+        (100, 2, 2, "R32, one channel of 32 bits"), (103, 4, 2, "RG32, two channels of 32 bits"),
+        (123, 4, 1, "E5B9G9R9, channels that are not of 8 or 16 bits"),
+        (133, 4, 2, "BC1, a block format"), (145, 4, 2, "BC7, a block format"),
+        (171, 4, 2, "ASTC 8x8, a block format"), (139, 4, 2, "BC4, a block format")):
+    scale = {1: 1, 4: 4, 8: 8}[Image(number, 1, 1).block[0]]
+    repeat = Image(number, 1, 1).block[2] // (n * size)
+    bad("R5301", "format_%d" % number, "A tile of %s: it has codec 2." % what,
+        base=pred_anyway(Image(number, 65 * scale, 4 * scale,
+                               texels=lambda level, size: b"\1\2\3\4" * (size // 4)), n, size))
+for number, n, size in ((106, 3, 2), (109, 4, 2)):
+    bad("R5301", "format_%d" % number, "A tile of %d channels of 32 bits has codec 2." % n,
+        base=pred_anyway(Image(number, 65, 4, texels=lambda level, size: bytes(size)), n, size))
+bad("R5301", "format_unknown",
+    "A tile of a format that the registry does not have, 1000, with blocks of one texel and four "
+    "bytes, has codec 2.", base=pred_anyway(Image(1000, 65, 4, block=(1, 1, 4),
+                                                  texels=flat(1)), 4, 1))
+
+AT = parts(PRED)
+for name, size, what in (
+        ("cut_1", 1, "one byte"), ("cut_2", 2, "two bytes"), ("cut_3", 3, "three bytes"),
+        ("cut_in_first", AT["first"][1] - 1, "`first` without its last byte"),
+        ("cut_no_maps", AT["maps"][0], "no maps"),
+        ("cut_in_first_map", AT["maps"][0] + 7, "seven bytes of the first map"),
+        ("cut_in_last_map", AT["maps"][1] - 1, "the maps without the last byte")):
+    pred_bad("R5302", name, "The tile ends early: %s." % what,
+             {"stored": lambda b, size=size: b[:size]})
+pred_bad("R5302", "cut_in_first_16_bit", "`first` lacks half a channel.",
+         {"stored": lambda b: b[:6]}, PRED_16)
+pred_bad("R5302", "cut_in_first_no_plane", "No plane is coded, and `first` lacks a byte.",
+         {"stored": lambda b: b[:-1]}, PRED_FLAT)
+pred_bad("R5302", "lane_code_3", "Lane code 3.", {"flags": lambda f: f | 12})
+pred_bad("R5302", "lane_code_3_no_plane", "Lane code 3 where no plane is coded.",
+         {"flags": lambda f: f | 12}, PRED_FLAT, also="R5304")
+for bit in range(4, 8):
+    pred_bad("R5302", "flag_bit_%d" % bit, "Reserved bit %d of `flags` is set." % bit,
+             {"flags": flip(bit)})
+    pred_bad("R5302", "coded_bit_%d" % bit, "Bit %d of `coded`, for four planes." % bit,
+             {"coded": flip(bit)})
+pred_bad("R5302", "coded_bit_4_16_bit", "Bit 4 of `coded`, for two channels of 16 bits.",
+         {"coded": flip(4)}, PRED_16)
+pred_bad("R5302", "coded_bit_1_of_1", "Bit 1 of `coded`, for one channel of 8 bits.",
+         {"coded": flip(1)}, PRED_ONES)
+pred_bad("R5302", "flag_bit_4_no_plane", "A reserved bit of `flags` where no plane is coded.",
+         {"flags": flip(4)}, PRED_FLAT)
+for number in (R8, RG8, 70, 83):
+    pred_bad("R5303", "colour_%d" % number,
+             "The colour bit with %s, format %d." % ("one channel" if number in (R8, 70)
+                                                     else "two channels", number),
+             {"flags": flip(0)}, File([pred(number, 65, 16)]))
+pred_bad("R5303", "colour_no_plane", "The colour bit with one channel where no plane is coded.",
+         {"flags": flip(0)}, File([pred(R8, 65, 3, lambda level, size: b"\7" * size)]))
+for value in (0, 9, 255):
+    pred_bad("R5304", "table_count_%d" % value, "table_count is %d." % value,
+             {"table_count": value}, also="R5305" if value == 0 else "")
+for value in (1, 2):
+    pred_bad("R5304", "no_plane_lane_code_%d" % value,
+             "No plane is coded, and the lane code is %d." % value, {"flags": value << 2},
+             PRED_FLAT)
+pred_bad("R5304", "no_plane_table_count_1", "No plane is coded, and table_count is 1.",
+         {"table_count": 1}, PRED_FLAT)
+pred_bad("R5304", "no_plane_zero_map", "No plane is coded, and the zero map bit is set.",
+         {"flags": 2}, PRED_FLAT)
+for count in (1, 2, 64):
+    pred_bad("R5304", "no_plane_%d_bytes_more" % count,
+             "No plane is coded, and %d zero bytes follow `first`." % count,
+             {"stored": lambda b, count=count: b + bytes(count)}, PRED_FLAT)
+PRED_1 = File([pred(RG8, 65, 16)])
+PRED_8 = File([pred(RG8, 65, 16, texels=picture(RG8, 65, 16, wobble=5), table_count=8)])
+for name, position, value, base, what in (
+        ("low_half", 0, 0x02, PRED, "the first number is 2, of two tables"),
+        ("high_half", 0, 0x20, PRED, "the second number is 2, of two tables"),
+        ("last", -1, 0x30, PRED, "the last number of the last map is 3, of two tables"),
+        ("15", 9, 0x0F, PRED, "a number of the second map is 15"),
+        ("1_of_1", 3, 0x10, PRED_1, "a number is 1, of one table"),
+        ("8_of_8", 12, 0x08, PRED_8, "a number is 8, of eight tables"),
+        ("unused_activity", -1, 0x20, PRED_ONES, "activity 15, which does not occur, has table 2")):
+    pred_bad("R5305", "map_" + name, "A map: %s." % what,
+             {"maps": lambda b, position=position, value=value: b[:position % len(b)]
+              + bytes([value]) + b[position % len(b) + 1:]}, base)
+END = {"states": b"", "words": b""}
+for base, stem in ((PRED, "tables"), (PRED_MAP, "zero_map"), (PRED_ONES, "one_table"),
+                   (PRED_16, "tables_16_bit")):
+    length = parts(base)["bits"][1] - parts(base)["bits"][0]
+    for size in sorted({0, 1, 2, length // 2, length - 1}):
+        if size < length and (stem != "one_table" or size in (0, length - 1)):
+            pred_bad("R5306", "%s_cut_at_%d" % (stem, size),
+                     "The tile ends %d bytes into zero map and tables." % size,
+                     {"bits": lambda b, size=size: b[:size], **END}, base)
+pred_bad("R5306", "zeros_to_the_end", "A table of zero bits, eight, and the end.",
+         {"bits": b"\0", **END})
+pred_bad("R5306", "table_missing", "table_count is one more than there are tables, and no states.",
+         {"table_count": plus(1), **END})
+ORDER = symbols(1)
+SUM = [1000, 500, 300, 200]
+for name, bits, what in (
+        ("sum_2049", table_of(SUM + [49]), "The frequencies sum to 2049."),
+        ("sum_4094", table_of([4094]), "The first frequency is 4094, K is 11."),
+        ("sum_2049_at_once", table_of([2049]), "The first frequency is 2049."),
+        ("sum_2047_then_2", table_of([2047, 0, 0, 2]), "A sum of 2047, and a frequency of 2."),
+        ("sum_2047", table_of([2047] + [0] * 255), "256 frequencies sum to 2047."),
+        ("sum_2047_of_8", table_of([8] * 255 + [7]), "256 frequencies of 8 but the last, 7."),
+        ("sum_2049_of_8", table_of([8] * 255 + [9]), "256 frequencies of 8 but the last, 9."),
+        ("sum_0", table_of([0] * 256), "256 frequencies of 0."),
+        ("k_12", "0" * 8 + "1" + "0" * 12, "The first symbol: z = 8, K = 12."),
+        ("k_12_after_0", table_of([0]) + "0" * 24 + "1" + "0" * 12,
+         "K = 12 after K = 0: z is 24."),
+        ("k_12_after_1", table_of([1]) + "0" * 22 + "1" + "0" * 12,
+         "K = 12 after K = 1: z is 22, which alone would be right."),
+        ("k_minus_1", "0" * 17 + "1", "The first symbol: z = 17, K = -1."),
+        ("k_minus_1_after_0", table_of([0]) + "01", "K = -1 after K = 0: z is 1."),
+        ("z_23", table_of([2047]) + "0" * 23 + "1", "z = 23 after K = 11: K = -1."),
+        ("z_60", table_of([1]) + "0" * 60 + "1", "z = 60.")):
+    for table in (0, 1) if name in ("sum_2049", "k_12", "z_23") else (0,):
+        pred_bad("R5307", name + ("_table_1" if table else ""),
+                 what + (" The second table." if table else ""),
+                 {"table.%d" % table: bits + "1" * 40 if name[0] in "kz" else bits})
+pred_bad("R5307", "sum_2049_16_bit", "The frequencies sum to 2049, 16 bits.",
+         {"table.0": table_of([2000, 0, 49])}, PRED_16)
+pred_bad("R5307", "sum_2047_16_bit", "256 frequencies sum to 2047, 16 bits.",
+         {"table.1": table_of([0] * 255 + [2047])}, PRED_16)
+for base, stem in ((PRED, ""), (PRED_MAP, "_zero_map"), (PRED_16, "_16_bit"), (PRED_ONES, "_ones")):
+    seen = []
+    Probe = type("Probe", (), {"get": lambda self, path, value: (seen.append(value)
+                 if path.endswith("padding") else None, value)[1]})
+    base.images[0].codec(0, 0, base.images[0].tiles(0)[0])[1].build(Probe(), "")
+    padding = len(seen[0])
+    for name, bit in (("first", 0), ("last", padding - 1)):
+        if padding > (name == "last"):
+            pred_bad("R5308", "%s_bit%s" % (name, stem),
+                     "The %s of %d bits behind the last table is set." % (name, padding),
+                     {"padding": lambda p, bit=bit: p[:bit] + "1" + p[bit + 1:]}, base)
+
+
+def state(lane: int, value: int):
+    """An override of one state."""
+    return lambda b: b[:4 * lane] + value.to_bytes(4, "little") + b[4 * lane + 4:]
+
+
+for name, value in (("2_15_minus_1", (1 << 15) - 1), ("0", 0), ("2_31", 1 << 31), ("max", MAX32)):
+    for lane in (0, 15):
+        pred_bad("R5309", "state_%s_lane_%d" % (name, lane), "A state is %d, lane %d." % (value,
+            lane), {"states": state(lane, value)})
+pred_bad("R5309", "state_of_lane_63", "The state of lane 63 is 2^15 - 1.",
+         {"states": state(63, (1 << 15) - 1)}, PRED_WIDE)
+for name, size in (("no_states", 0), ("cut_at_1", 1), ("cut_at_4", 4), ("cut_at_62", 62),
+                   ("cut_at_63", 63)):
+    pred_bad("R5309", name, "The tile ends %d bytes into the states." % size,
+             {"states": lambda b, size=size: b[:size], "words": b""})
+pred_bad("R5309", "lane_code_too_large", "Lane code 1 and states for 16 lanes, no words.",
+         {"flags": lambda f: f | 4}, PRED_ONES)
+pred_bad("R5310", "one_byte_more", "A zero byte behind the words.",
+         {"words": lambda b: b + b"\0"}, also="R5311")
+pred_bad("R5310", "one_byte_less", "The last word lacks a byte.", {"words": lambda b: b[:-1]},
+         also="R5311")
+pred_bad("R5310", "one_byte", "A byte behind the states where there are no words.",
+         {"words": b"\0"}, PRED_ONES, also="R5311")
+pred_bad("R5311", "last_word_missing", "The last word is missing.", {"words": lambda b: b[:-2]})
+pred_bad("R5311", "no_words", "All words are missing.", {"words": b""})
+pred_bad("R5311", "only_first_word", "All words but the first are missing.",
+         {"words": lambda b: b[:2]})
+pred_bad("R5311", "one_word_more", "A zero word behind the last one.",
+         {"words": lambda b: b + b"\0\0"})
+pred_bad("R5311", "one_word_more_8000", "The word 0x8000 behind the last one.",
+         {"words": lambda b: b + b"\0\x80"}, PRED_16)
+pred_bad("R5311", "word_not_wanted", "A word where none is wanted.", {"words": b"\0\0"}, PRED_ONES)
+pred_bad("R5311", "word_not_wanted_zero_map",
+         "A zero word behind the last one, in a tile with a zero map.",
+         {"words": lambda b: b + b"\0\0"}, PRED_MAP)
+pred_bad("R5312", "lane_0", "The only symbol takes all of its table, so the state of lane 0 stays "
+         "2^15 + 1; the texels are right.", {"states": state(0, (1 << 15) + 1)}, PRED_ONES)
+pred_bad("R5312", "lane_15", "The same with lane 15 and 2^31 - 1.",
+         {"states": state(15, (1 << 31) - 1)}, PRED_ONES)
+pred_bad("R5312", "lane_63", "The same with the last of 64 lanes and 2^16.",
+         {"states": state(63, 1 << 16)}, PRED_WIDE)
+NARROW = File([pred(91, 66, 8, tile_log2=4, colour=True, lane_code=1)])
+bad("R5312", "pred_unused_lane", "A tile of 16 columns has 32 lanes; the state of lane 31, which "
+    "no sample uses, is 2^15 + 1.", {"pred.0.0.1.states": state(31, (1 << 15) + 1)}, NARROW)
+bad("R5312", "pred_unused_lane_16", "The same with lane 16 and 2^31 - 1.",
+    {"pred.0.0.1.states": state(16, (1 << 31) - 1)}, NARROW)
+pred_bad("R5312", "last_word", "The lowest bit of the last word is wrong.",
+         {"words": flip_at(-2)}, also="R5311 R5203")
+pred_bad("R5312", "last_word_16_bit", "The highest bit of the last word is wrong.",
+         {"words": flip_at(-1, 128)}, PRED_16, also="R5311 R5203")
+# Hashes and sizes of such tiles.
+pred_bad("R5203", "hash", "The hash of a pred tile is wrong.", {"tile.0.0.0.hash": flip(60)})
+pred_bad("R5203", "first", "A byte of `first` is wrong: other texels.", {"first": flip_at(1)})
+pred_bad("R5203", "colour", "The colour bit is missing: other texels.", {"flags": flip(0)})
+pred_bad("R5203", "no_plane", "One colour, and another one was meant.", {"first": flip_at(3, 128)},
+         PRED_FLAT)
+pred_bad("R5203", "hash_of_stored", "The hash is that of the stored bytes.",
+         {"tile.0.0.0.hash": xxh3(bytes.fromhex("00000001020304"))}, PRED_FLAT)
+pred_bad("R5202", "as_large", "The stored bytes of a pred tile are as many as the texels.",
+         {"stored": lambda b: b + bytes(65 * 16 * 2 - len(b))}, PRED_1, also="R5311")
+pred_bad("R5202", "larger", "The stored bytes of a pred tile are more than the texels.",
+         {"stored": lambda b: b + bytes(65 * 16 * 2 + 2 - len(b))}, PRED_1, also="R5311")
+pred_bad("R5202", "empty", "A pred tile has no bytes.", {"stored": b""},
+         File([pred(RGBA8, 65, 32, lambda level, size: b"\1\2\3\4" * (size // 4), tile_log2=4)]),
+         also="R5302")
+for k in range(3):
+    pred_bad("R5201", "reserved_%d" % k, "A reserved byte of the record of a pred tile.",
+             {"tile.0.0.0.reserved": 1 << 8 * k})
 
 # ---- 6000: images --------------------------------------------------------------------------------
 

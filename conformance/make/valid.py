@@ -5,7 +5,8 @@ section."""
 
 import struct
 
-from ztexmake import (FORMATS, IDENTITY, NONE, R8, RG8, RGBA8, RGBA8_SRGB, FORMAT_BY_NAME, Chunk,
+from predmake import Pred, Tile, symbols, texels_of
+from ztexmake import (FORMATS, IDENTITY, NONE, R8, RG8, RGB8, RGBA8, RGBA8_SRGB, FORMAT_BY_NAME, Chunk,
                       File, Image, Patch,
                       Plane, Texture, Zipmap, flat, frame, frame_header, noise, raw_block,
                       rle_block, stored_zstd)
@@ -234,6 +235,377 @@ def cube_array():
 def frames():
     """An animation of four frames."""
     return File([Image(RGBA8_SRGB, 3, 3, layers=4, layer_kind=2)], [Texture("animation", [(1, 0)])])
+
+
+# ---- tiles of codec 2, "pred" --------------------------------------------------------------------
+
+def picture(fmt: int, w: int, h: int, depth: int = 1, layers: int = 1, wobble: int = 2,
+            opaque: bool = False, flat_until: int = 0):
+    """texels() of slopes with a little noise, the same for formats of 8 and 16 bits. `opaque`: the
+    last channel is constant. Columns below `flat_until` have no noise."""
+    known = FORMATS[fmt]
+    n = known.channels
+    size = known.block_bytes // n
+
+    def texels(level, total):
+        out = bytearray()
+        lw, lh, ld = (max(1, v >> level) for v in (w, h, depth))
+        dots = iter(noise(lw * lh * ld * layers * n, 77 + level))
+        for s in range(ld * layers):
+            for y in range(lh):
+                for x in range(lw):
+                    for c in range(n):
+                        dot = next(dots) % wobble if x >= flat_until else 0
+                        v = (40 + 3 * s + x + 2 * y + 50 * c) * (1 if size == 1 else 37) + dot
+                        if opaque and c == n - 1:
+                            v = -1
+                        out += (v & (1 << 8 * size) - 1).to_bytes(size, "little")
+        return bytes(out)
+    return texels
+
+
+def pred(fmt: int, w: int, h: int, texels=None, depth: int = 1, layers: int = 1, levels: int = 1,
+         tile_log2: int = 8, choose=None, **how) -> Image:
+    """An image whose tiles have codec 2. Where that is not smaller, as [R5202] asks, or where
+    `choose(level, tile)` is false, the tile is zstd or raw; tails always are."""
+    known = FORMATS[fmt]
+    coding = Pred(known.channels, known.block_bytes // known.channels, **how)
+    more = {"levels": levels, "tile_log2": tile_log2, "depth": depth, "layers": layers}
+    image = Image(fmt, w, h, texels=texels or picture(fmt, w, h, depth, layers), **more)
+
+    def codec(level, tile, data):
+        if level != "tail" and (choose is None or choose(level, tile)):
+            coded = Tile(coding, *image.tile_size(level, tile), data)
+            if len(coded.build()) < len(data):
+                return 2, coded
+        return stored_zstd(level, tile, data)
+    image.codec = codec
+    return image
+
+
+def from_residuals(fmt: int, w: int, h: int, residuals, first: list = None, **how) -> Image:
+    """A one-tile image with residuals(channel, x, y); without the colour bit."""
+    n = FORMATS[fmt].channels
+    size = FORMATS[fmt].block_bytes // n
+    first = first or [10 * (c + 1) for c in range(n)]
+    data = texels_of(residuals, w, h, n, size, first)
+    return pred(fmt, w, h, texels=lambda level, total: data, first=first, **how)
+
+
+# The example of section 6.4 is the last tile of 16 x 16 of this image.
+EXAMPLE_GREEN = """03E8 0415 0441 0461 048B 04B4 04DC 0503   03F2 041F 0440 046B 0495 04BE 04E6 050D
+                   03F7 0424 0450 0470 049A 04C3 04EB 0512   0402 042F 0450 047B 04A5 04CE 04F6 051D"""
+EXAMPLE_TABLES = [{0: 614, 1: 256, 2: 154, 5: 308, 6: 358, 64: 52, 78: 51, 80: 51, 82: 51, 84: 51,
+                   88: 51, 90: 51}, {0: 85, 1: 85, 10: 598, 20: 512, 22: 683, 32: 85}]
+
+
+@case
+def pred_example():
+    """The example of section 6.4 of the specification: it is the last of five tiles."""
+    green = [int(v, 16) for v in EXAMPLE_GREEN.split()]
+    tile = b"".join(struct.pack("<4H", g + 300 + (3 * x + y) % 4, g, g - 100, 0x3C00)
+                    for y in range(4) for x in range(8) for g in [green[8 * y + x]])
+    rows = [bytes(64 * 8) + tile[64 * y:64 * y + 64] for y in range(4)]
+    return File([pred(97, 72, 4, texels=lambda level, size: b"".join(rows), tile_log2=4,
+                      choose=lambda level, tile: tile == 4, colour=True, tables=EXAMPLE_TABLES,
+                      maps=[[0, 0, 1, 1, 1, 1, 1, 1] + [0] * 8, [0] * 16])])
+
+
+for number in (9, 15, 16, 22, 23, 29, 37, 43, 70, 76, 77, 83, 84, 90, 91, 97):
+    fmt = FORMATS[number]
+    add("pred_%s" % fmt.name.lower(), "Codec pred, %s, 65 x 16 texels in one tile." % fmt.name,
+        File([pred(number, 65, 16, table_count=2)]))
+    if fmt.channels >= 3:
+        add("pred_%s_colour" % fmt.name.lower(),
+            "Codec pred with the colour bit, %s, 65 x 16 texels in one tile." % fmt.name,
+            File([pred(number, 65, 16, table_count=2, colour=True)]))
+
+for code in range(3):
+    add("pred_lanes_%d" % (16 << code), "Lane code %d: more columns than lanes." % code,
+        File([pred(RGBA8, 130, 9, lane_code=code, colour=True)]))
+    add("pred_lanes_%d_narrow" % (16 << code),
+        "Lane code %d and four tiles of 16 columns: with more lanes some are not used." % code,
+        File([pred(91, 66, 8, lane_code=code, tile_log2=4, colour=True)]))
+for count in (1, 3, 8):
+    add("pred_tables_%d" % count, "table_count %d, channels of 8 bits." % count,
+        File([pred(RGBA8, 70, 12, texels=picture(RGBA8, 70, 12, wobble=14), table_count=count)]))
+    add("pred_tables_%d_16_bit" % count, "table_count %d, channels of 16 bits." % count,
+        File([pred(77, 70, 12, texels=picture(77, 70, 12, wobble=800), table_count=count)]))
+
+
+# Residuals of every magnitude, mostly small, so that all 16 activities occur.
+SPREAD = noise(1 << 14, 5)
+
+
+def spread(c, x, y):
+    v = SPREAD[(c * 67 + x + 131 * y) % len(SPREAD)]
+    return v >> 1 + (x // 8) % 7 if v % 3 else -(v >> 1 + (x // 8) % 7)
+
+
+def spread_16(c, x, y):
+    return spread(c, x, y) << (x // 8 + y // 4) % 9
+
+
+@case
+def pred_activities():
+    """Residuals whose size changes from place to place: every activity with a table of its own for
+    two activities, three channels of 8 bits."""
+    return File([from_residuals(RGB8, 65, 16, spread, table_count=8)])
+
+
+@case
+def pred_activities_16_bit():
+    """The same with 16 bits: high and low bytes, activity 15 of the low byte."""
+    return File([from_residuals(84, 65, 10, spread_16, table_count=8)])
+
+
+@case
+def pred_maps_differ():
+    """Maps that are not monotonic and differ between the planes; table 2 is not used by any."""
+    maps = [[(a * k + 3 * (a % 2)) % 5 for a in range(16)] for k in (1, 3, 7)]
+    maps = [[4 if t == 2 else t if t != 4 else 3 for t in m] for m in maps]
+    return File([from_residuals(RGB8, 65, 16, spread, table_count=5, maps=maps)])
+
+
+@case
+def pred_extreme_residuals():
+    """Residuals -128, 127, 1, 0 and -1 of 8 bits."""
+    values = (-128, 127, 0, 1, -1, 0, 0, -128)
+    return File([from_residuals(RG8, 70, 9, lambda c, x, y: values[SPREAD[c + 2 * x + 151 * y] % 8],
+                                table_count=2)])
+
+
+@case
+def pred_extreme_residuals_16_bit():
+    """Residuals -32768, 32767, 0, 127, 128 and -128 of 16 bits: zigzag 65535, 65534, 0, 254, 256,
+    255."""
+    values = (-32768, 32767, 0, 127, 128, -128, 0, 0)
+    return File([from_residuals(77, 70, 9, lambda c, x, y: values[SPREAD[c + 2 * x + 151 * y] % 8],
+                                table_count=2)])
+
+
+@case
+def pred_residual_at_origin():
+    """The texel (0, 0) differs from `first` by its residual."""
+    return File([pred(97, 65, 4, first=[0, 0xFFFF, 0x8000, 1], colour=True)])
+
+
+@case
+def pred_half_nan():
+    """NaN, infinities and negative zero of half floats are numbers like others to the codec."""
+    values = struct.pack("<8H", 0x7E01, 0xFC00, 0x7C00, 0x8000, 0x7FFF, 0xFFFF, 0, 1)
+    return File([pred(76, 80, 10, texels=lambda level, size: values * 100)])
+
+
+@case
+def pred_zero_map():
+    """A zero map: 130 x 20 texels are 3 x 3 blocks, at the right 2 wide, at the bottom 4 high;
+    those at the left are coded in the
+    first plane only."""
+    texels = picture(RGB8, 130, 20, flat_until=100)
+    return File([pred(RGB8, 130, 20, texels=texels, colour=True, zero_map=True, table_count=2)])
+
+
+@case
+def pred_zero_map_16_bit():
+    """A zero map of 16 bits: high bytes are coded in one block only."""
+    rare = lambda c, x, y: 5000 if (x, y) == (66, 9) else SPREAD[x + 70 * y] % 3 if x > 63 else 0
+    return File([from_residuals(77, 70, 20, rare, zero_map=True, planes=[0, 1, 2, 3],
+                                table_count=2)])
+
+
+@case
+def pred_zero_map_all_coded():
+    """A zero map whose bits are all one."""
+    return File([pred(RGB8, 65, 16, zero_map=True)])
+
+
+@case
+def pred_zero_map_nothing_coded():
+    """A coded plane whose zero map calls every block zero: no sample is coded, all states are
+    2^15."""
+    return File([from_residuals(R8, 70, 20, lambda c, x, y: 0, zero_map=True, planes=[0])])
+
+
+@case
+def pred_zero_map_then_activity():
+    """The blocks below a zero block and to the right of one: their activities see zeros there."""
+    some = lambda c, x, y: spread(c, x, y) if (x // 64 + y // 8) % 2 else 0
+    return File([from_residuals(RG8, 140, 20, some, zero_map=True, table_count=8)])
+
+
+@case
+def pred_coded_plane_of_zeros():
+    """A plane that is coded though all its samples are zero."""
+    return File([pred(RGBA8, 65, 9, texels=picture(RGBA8, 65, 9, opaque=True),
+                      planes=[0, 1, 2, 3])])
+
+
+@case
+def pred_opaque():
+    """Opaque alpha: plane 3 is not coded."""
+    return File([pred(RGBA8_SRGB, 65, 16, texels=picture(RGBA8_SRGB, 65, 16, opaque=True),
+                      colour=True)])
+
+
+@case
+def pred_opaque_16_bit():
+    """Opaque alpha of 16 bits, and small differences: high bytes and planes 6 and 7 are not
+    coded."""
+    return File([pred(91, 65, 9, texels=picture(91, 65, 9, opaque=True), colour=True)])
+
+
+@case
+def pred_first_plane_not_coded():
+    """Only the second and the third plane are coded; the first counts as zero in the activities."""
+    some = lambda c, x, y: 0 if c == 1 else spread(c, x, y)
+    return File([from_residuals(RGB8, 65, 9, some, table_count=4)])
+
+
+for number, colour in ((R8, False), (RGBA8, False), (RGBA8, True), (97, True)):
+    add("pred_no_plane_%d%s" % (number, "_colour" if colour else ""),
+        "No plane is coded: one colour, the tile ends behind `first`. Format %d%s."
+        % (number, ", colour bit" if colour else ""),
+        File([pred(number, 65, 3, texels=lambda level, size, number=number:
+                   b"\x12\x34\x56\x78\x9a\xbc\xde\xf0"[:FORMATS[number].block_bytes] * (65 * 3),
+                   colour=colour)]))
+
+
+@case
+def pred_no_words():
+    """All residuals are 1: a table of one symbol with frequency 2048, no words."""
+    return File([from_residuals(RGB8, 65, 9, lambda c, x, y: 1)])
+
+
+@case
+def pred_no_words_lanes_64():
+    """All residuals are -32768; 64 lanes, no words."""
+    return File([from_residuals(84, 65, 9, lambda c, x, y: -32768, lane_code=2)])
+
+
+ONE_IN_16 = lambda x, y: (x + 5 * y) % 16 == 3
+
+
+@case
+def pred_table_steps():
+    """Frequencies 2047, 0, 1 and 0, 2047, 1: z is 22 and 21, K goes from 0 to 11 and back."""
+    tables = [{0: 2047, 1: 1}, {255: 2047, 1: 1}]
+    return File([from_residuals(RG8, 65, 9, lambda c, x, y: 1 if ONE_IN_16(x, y) else -c, tables=tables,
+                                maps=[[0] * 16, [1] * 16])])
+
+
+@case
+def pred_table_256_symbols():
+    """A table of 256 symbols with frequency 8 each, complete with the 256th."""
+    return File([from_residuals(R8, 80, 40, lambda c, x, y: 2 * (x % 64) + (y * 3) % 128 - 128
+                                if x < 64 and y < 8 else 0, zero_map=True,
+                                tables=[{s: 8 for s in range(256)}])])
+
+
+@case
+def pred_table_last_symbol():
+    """All 2048 on the last symbol, -128 of 8 bits: 255 frequencies of zero before."""
+    return File([from_residuals(R8, 65, 9, lambda c, x, y: -128, planes=[0])])
+
+
+@case
+def pred_table_last_symbol_16_bit():
+    """A table for 16 bits with the symbol 255 as the last, and frequencies of 1 in between."""
+    table = {0: 1024, 254: 1, 255: 1023}
+    return File([from_residuals(70, 65, 16, lambda c, x, y: (0, -128, 0, 0)[(x + y) % 4],
+                                tables=[table], planes=[1])])
+
+
+@case
+def pred_table_frequencies():
+    """A table with frequencies around powers of two: 1, 2, 3, 6, 7, 8, 14, 15, 16 ... and zeros."""
+    values = [1, 2, 3, 6, 7, 8, 0, 14, 15, 16, 30, 0, 0, 31, 32, 62, 63, 64, 126, 127, 128, 254, 255,
+              256]
+    table = dict(zip(symbols(1), values))
+    table[symbols(1)[len(values)]] = 2048 - sum(values)
+    usable = [s for s, f in table.items() if f]
+    return File([from_residuals(R8, 80, 20, lambda c, x, y: usable[SPREAD[x + 80 * y]
+                                % len(usable)], tables=[table])])
+
+
+@case
+def pred_tiles_16():
+    """100 x 70 texels in tiles of 16 x 16, those at the right 4 wide, at the bottom 6 high; where
+    pred is not smaller, tiles are raw."""
+    return File([pred(R8, 100, 70, tile_log2=4, texels=picture(R8, 100, 70, wobble=1))])
+
+
+@case
+def pred_tiles_80x65():
+    """80 x 65 texels in tiles of 64 x 64: the tiles at the bottom are one row high."""
+    return File([pred(RGB8, 80, 65, tile_log2=6, texels=picture(RGB8, 80, 65, flat_until=60),
+                      colour=True, zero_map=True)])
+
+
+@case
+def pred_tiles_1_wide():
+    """17 x 66 texels of 8 bytes in tiles of 16 x 16: tiles one texel wide."""
+    return File([pred(91, 17, 66, tile_log2=4, colour=True, texels=picture(91, 17, 66, wobble=1))])
+
+
+@case
+def pred_one_row():
+    """200 x 1 texels in tiles of 128 and 72: a level of one row."""
+    return File([pred(RGBA8, 200, 1, tile_log2=7)])
+
+
+@case
+def pred_65x3():
+    """65 x 3 texels in tiles of 64 x 3 and 1 x 3."""
+    return File([pred(97, 65, 3, tile_log2=6)])
+
+
+@case
+def pred_tiles_mixed():
+    """Tiles raw, zstd and pred in one level."""
+    image = pred(RG8, 100, 20, tile_log2=4)
+    right = image.codec
+    image.codec = lambda level, tile, data: ((0, data), stored_zstd(level, tile, data),
+        right(level, tile, data))[tile % 3]
+    plain = image.texels
+    image.texels = lambda level, size: bytes(v if (k // 2 % 100) // 16 % 3 != 1 else 9
+                                             for k, v in enumerate(plain(level, size)))
+    return File([image])
+
+
+@case
+def pred_levels_and_tail():
+    """140 x 70 texels with all levels: two levels of pred tiles and a tail, which never is."""
+    texels = picture(R8, 140, 70, wobble=1)
+    return File([pred(R8, 140, 70, texels=texels, levels=8, tile_log2=5)])
+
+
+@case
+def pred_volume():
+    """A volume of 65 x 8 x 2 texels: each slice is a tile of its own."""
+    return File([pred(RGBA8, 65, 8, depth=2)])
+
+
+@case
+def pred_array():
+    """An array of two layers of 65 x 8 texels."""
+    return File([pred(RGB8, 65, 8, layers=2, colour=True)])
+
+
+@case
+def pred_array_of_volumes():
+    """Two layers of 66 x 5 x 2 texels in tiles of 32 x 32."""
+    return File([pred(97, 66, 5, depth=2, layers=2, tile_log2=5, colour=True,
+                      texels=picture(97, 66, 5, 2, 2, wobble=1))])
+
+
+@case
+def pred_cube():
+    """Six square faces of 65 x 65 texels of one colour each."""
+    image = pred(RGBA8, 65, 65, layers=6, texels=lambda level, size: b"".join(
+        bytes([40 * k, 10, k, 255]) * (65 * 65) for k in range(6)))
+    image.layer_kind = 1
+    return File([image])
 
 
 # ---- formats, colour -----------------------------------------------------------------------------
@@ -545,6 +917,10 @@ add("zip_patch_straight", "Coverage from straight alpha: colour under zero cover
                                               decal(alpha_mode=1, clear=b"\xff\xee\xdd\0")]))
 add("zip_patch_tiled", "A patch of 65 x 17 texels in tiles of 16 x 16 texels.",
     zipmap([Patch([0]), Patch([1], PLACED)], [root(), decal(65, 17, tile_log2=4)]))
+PRED_DECAL = decal(70, 18)
+PRED_DECAL.codec = pred(RGBA8, 70, 18, texels=PRED_DECAL.texels, zero_map=True).codec
+add("zip_patch_pred", "A patch whose tile has codec pred; its coverage is checked like any other.",
+    zipmap([Patch([0]), Patch([1], PLACED)], [root(), PRED_DECAL]))
 add("zip_patch_half_float", "Coverage in the alpha of a half float format.",
     zipmap([Patch([0]), Patch([1], PLACED)],
            [root(), decal(format=97, pixel=struct.pack("<4H", 0x3C00, 0x3800, 0x7E00, 0x3C00),

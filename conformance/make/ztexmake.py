@@ -8,7 +8,7 @@ a path and a value:
     preamble.FIELD              entry.TYPE.FIELD         head.TYPE.FIELD  (2nd ZPMP: ZPMP1)
     texs.FIELD                  texture.T.FIELD          layer.T.L.FIELD          name.T
     imag.FIELD                  image.I.FIELD            unit.I.U.FIELD           tile.I.U.N.FIELD
-    index.I.U
+    index.I.U                   pred.I.U.N.FIELD     (predmake.py)
     zpmp.Z.FIELD                plane.Z.NAME.FIELD       meta.FIELD               pair.P.FIELD
     stored.TYPE  decoded.TYPE  padding.TYPE  gap.TYPE (behind the padding)  unit_order  chunks  file
 
@@ -219,7 +219,7 @@ R8, RG8, RGB8, RGBA8, RGBA8_SRGB = 9, 16, 23, 37, 43
 class Image:
     """One image record with its texels. `texels(level, size)` gives the bytes of a level (layers,
     slices, rows, tight); `codec(level, tile, data)` gives (codec, stored bytes) of a tile; the
-    level is "tail" for the mip tail."""
+    level is "tail" for the mip tail. Instead of bytes it may give a predmake.Tile."""
     format: int
     width: int
     height: int
@@ -288,6 +288,14 @@ class Image:
                     out.append(b"".join(data[at:at + row] for at in starts))
         return out
 
+    def tile_size(self, level, tile: int) -> tuple:
+        """Width and height in blocks of a tile of a level, or of the whole level 0 for the tail."""
+        if level == "tail":
+            return self.block_grid(0)
+        (bw, bh), edge = self.block_grid(level), 1 << self.tile_log2
+        row, column = divmod(tile % (ceil_div(bw, edge) * ceil_div(bh, edge)), ceil_div(bw, edge))
+        return min(edge, bw - column * edge), min(edge, bh - row * edge)
+
     def units(self) -> list:
         """(level or "tail", tiles) for each unit, level 0 first and the tail last."""
         t = self.tail_start()
@@ -335,6 +343,8 @@ def unit_bytes(over: Overrides, image: Image, i: int, u: int, level, tiles: list
     for n, data in enumerate(tiles):
         codec, stored = (image.codec or stored_raw)(level, n, data)
         path = "tile.%d.%d.%d" % (i, u, n)
+        if not isinstance(stored, bytes):
+            stored = stored.build(over, "pred.%d.%d.%d" % (i, u, n))
         stored = over.get(path + ".stored", stored)
         index += over.pack(path, [("stored_size", 4, len(stored)), ("codec", 1, codec),
                                   ("reserved", 3, 0),

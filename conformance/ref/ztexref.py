@@ -6,6 +6,7 @@ decodes all levels.
 The order is that of the layers: preamble, directory, heads and hashes, TEXS, IMAG, ZPMP, META,
 texels. Nothing is shared with conformance/make."""
 
+import itertools
 import math
 import os
 import re
@@ -16,6 +17,7 @@ import xxhash
 import zstandard
 
 import zmath
+import zpred
 
 SPEC = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..",
                                      "spec"))
@@ -473,7 +475,20 @@ def check_coverage(image: Image):
 
 # ---- 8.2, 8.3: texels ----------------------------------------------------------------------------
 
-def read_unit(texl: bytes, unit: Unit) -> list:
+def unpred(stored: bytes, image: Image, level, tile: int) -> bytes:
+    """A tile of codec 2 (6.4)."""
+    _, blk, channels, _ = FORMATS.get(image.format, ("", (0, 0, 0), 0, False))
+    need(level != "tail", "R5301", "mip tail")
+    need(blk[:2] == (1, 1) and 1 <= channels <= 4 and blk[2] in (channels, 2 * channels), "R5301",
+         "format")
+    _, x0, y0, x1, y1 = next(itertools.islice(image.tile_boxes(level), tile, None))
+    try:
+        return zpred.decode(stored, x1 - x0, y1 - y0, channels, blk[2] // channels)
+    except zpred.Broken as broken:
+        raise Fault(broken.rule, str(broken))
+
+
+def read_unit(texl: bytes, image: Image, unit: Unit) -> list:
     """The decoded tiles of a unit."""
     data = texl[unit.offset:unit.offset + unit.size]
     n = len(unit.tiles)
@@ -481,14 +496,17 @@ def read_unit(texl: bytes, unit: Unit) -> list:
     need(xxh3(index) == unit.index_hash, "R5204")
     records = [struct.unpack_from("<IB3sQ", index, 16 * i) for i in range(n)]
     for size, (stored, codec, reserved, digest) in zip(unit.tiles, records):
-        need(codec <= 1 and reserved == b"\0\0\0", "R5201")
+        need(codec <= 2 and reserved == b"\0\0\0", "R5201")
         need(stored == size if codec == 0 else 1 <= stored < size, "R5202")
     need(sum(r[0] for r in records) == unit.size - 16 * n, "R5205")
     at, out = 16 * n, []
-    for size, (stored, codec, reserved, digest) in zip(unit.tiles, records):
+    for k, (size, (stored, codec, reserved, digest)) in enumerate(zip(unit.tiles, records)):
         piece = data[at:at + stored]
         at += stored
-        tile = unzstd(piece, size) if codec else piece
+        if codec == 2:
+            tile = unpred(piece, image, unit.level, k)
+        else:
+            tile = unzstd(piece, size) if codec else piece
         need(xxh3(tile) == digest, "R5203")
         out.append(tile)
     return out
@@ -497,7 +515,7 @@ def read_unit(texl: bytes, unit: Unit) -> list:
 def read_texels(texl: bytes, image: Image):
     image.decoded = [b""] * image.levels
     for unit in image.units:
-        tiles = read_unit(texl, unit)
+        tiles = read_unit(texl, image, unit)
         if unit.level == "tail":
             at = 0
             first = len(image.units) - 1

@@ -23,6 +23,13 @@ zt_io zt__io_of_memory(zt__memory_io *memory) {
     return io;
 }
 
+const uint8_t *zt__bytes_in_memory(const zt_io *io, uint64_t offset, size_t size) {
+    if (io->read_at != memory_read)
+        return NULL;
+    const zt__memory_io *memory = io->user;
+    return zt__range_ok(offset, size, memory->size) ? memory->data + offset : NULL;
+}
+
 static zt_result path_read(void *user, uint64_t offset, void *dst, size_t size) {
     const zt__path_io *path_io = user;
     uint8_t *out = dst;

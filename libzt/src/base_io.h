@@ -22,6 +22,9 @@ typedef struct zt__path_io {
 zt_result zt__path_io_open(zt__path_io *path_io, const char *path, zt_diag *diag, zt_io *out);
 void zt__path_io_close(zt__path_io *path_io);
 
+/* The bytes themselves where the io is zt__io_of_memory and has them; else NULL. */
+const uint8_t *zt__bytes_in_memory(const zt_io *io, uint64_t offset, size_t size);
+
 /* Reads and turns a refusal of the io into a diagnostic: ZT_AGAIN with the wanted range, ZT_IO. Bytes behind io->size:
  * ZT_TRUNCATED. */
 zt_result zt__read(const zt_io *io, uint64_t offset, void *dst, size_t size, zt_diag *diag);

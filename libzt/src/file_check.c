@@ -223,7 +223,10 @@ zt_result zt__check_image(zt__sink *sink, const zt_limits *limits, const zt__ima
     return ZT_OK;
 }
 
-zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, uint64_t offset) {
+zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, bool pred_allowed,
+                         uint64_t offset) {
+    ZT_RULE(sink, 5301, t->codec != ZT__CODEC_PRED || pred_allowed, offset + 4,
+            "codec 2 in a mip tail or for this format");
     ZT_RULE(sink, 5201, !t->reserved[0] && !t->reserved[1] && !t->reserved[2], offset + 5,
             "reserved bytes are not zero");
     if (t->codec == ZT__CODEC_RAW) {

@@ -27,6 +27,7 @@ void zt__decoder_init(zt__decoder *decoder, zt__memory *memory) {
     zt__decoder empty = {0};
     *decoder = empty;
     decoder->memory = memory;
+    decoder->kernel = zt__pred_kernel_best();
 }
 
 void zt__decoder_free(zt__decoder *decoder) {
@@ -35,6 +36,7 @@ void zt__decoder_free(zt__decoder *decoder) {
     zt__free(decoder->memory, decoder->zstd, decoder->zstd_size, 1);
     zt__free(decoder->memory, decoder->stored, decoder->stored_size, 1);
     zt__free(decoder->memory, decoder->raw, decoder->raw_size, 1);
+    zt__free(decoder->memory, decoder->pred, decoder->pred_size, 1);
     zt__decoder_init(decoder, decoder->memory);
 }
 
@@ -159,6 +161,33 @@ zt_result zt__decode_stored(zt__sink *sink, zt__decoder *decoder, uint8_t codec,
     return ZT_OK;
 }
 
+/* Hash of rows as if there were nothing between them. */
+static uint64_t hash_rows(const uint8_t *rows, size_t row_size, size_t count, size_t pitch) {
+    zt__hasher hasher;
+    if (pitch == row_size)
+        return zt__hash(rows, row_size * count);
+    zt__hash_begin(&hasher);
+    for (size_t y = 0; y < count; y++)
+        zt__hash_more(&hasher, rows + y * pitch, row_size);
+    return zt__hash_end(&hasher);
+}
+
+zt_result zt__decode_pred(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape, const uint8_t *stored,
+                          size_t size, uint8_t *dst, size_t pitch, uint64_t hash, uint64_t offset) {
+    uint8_t *scratch;
+    size_t row_size = (size_t)shape->width * shape->channels * shape->channel_bytes;
+    if (!zt__pred_shape_ok(shape))
+        return zt__fail(sink->diag, ZT_INTERNAL, 0, offset, "a tile that codec 2 is not for");
+    ZT_TRY(buffer_of(decoder->memory, &decoder->pred, &decoder->pred_size, zt__pred_scratch_size(shape), sink->diag,
+                     &scratch));
+    uint32_t broken = zt__pred_decode(decoder->kernel, shape, stored, size, scratch, dst, pitch);
+    if (broken)
+        return zt__report(sink, broken, offset, "the tile is damaged: %s", zt__find_rule(broken)->pub.text);
+    ZT_RULE(sink, 5203, hash_rows(dst, row_size, shape->height, pitch) == hash, offset,
+            "the decoded bytes do not have the hash that is stored for them");
+    return ZT_OK;
+}
+
 /* ---- encoding ---------------------------------------------------------------------------- */
 
 /* zstd frees without saying how much, so each block remembers its size. */
@@ -196,6 +225,10 @@ zt_result zt__encoder_init(zt__encoder *encoder, zt__memory *memory, int level, 
 }
 
 void zt__encoder_free(zt__encoder *encoder) {
+    if (encoder->memory)
+        zt__free(encoder->memory, encoder->pred, encoder->pred_size, 1);
+    encoder->pred = NULL;
+    encoder->pred_size = 0;
     ZSTD_freeCCtx(encoder->zstd);
     encoder->zstd = NULL;
 }
@@ -262,5 +295,70 @@ zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, 
     }
     memcpy(dst, src, size);
     *stored_size = size;
+    return ZT_OK;
+}
+
+/* ---- tiles ---- */
+
+enum { EFFORTS = 9, EVERYTHING = 9 };
+
+int zt__level_of_effort(uint32_t effort) {
+    static const int levels[EFFORTS + 1] = {0, 1, 3, 5, 7, 9, 12, 15, 17, 19};
+    return levels[effort];
+}
+
+/* Codes a tile with codec 2 behind the work memory; *coded is NULL when it would not be smaller. */
+static zt_result try_pred(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
+                          size_t size, zt_diag *diag, const uint8_t **coded, size_t *coded_size) {
+    size_t work = zt__pred_work_size(shape);
+    uint8_t *memory;
+    *coded = NULL;
+    *coded_size = 0;
+    ZT_TRY(buffer_of(encoder->memory, &encoder->pred, &encoder->pred_size, (uint64_t)work + size, diag, &memory));
+    size_t pitch = (size_t)shape->width * shape->channels * shape->channel_bytes;
+    *coded_size = zt__pred_encode(shape, src, pitch, effort, memory, memory + work, size - 1);
+    *coded = *coded_size > 0 ? memory + work : NULL;
+    return ZT_OK;
+}
+
+/* zstd is worth its time only where repetition is what a tile has: level 1 tells. */
+static zt_result zstd_promises(const zt__encoder *encoder, uint32_t effort, const void *src, size_t size, void *dst,
+                               size_t dst_size, size_t pred_size, zt_diag *diag, bool *promises) {
+    size_t probe;
+    zt__encoder quick = *encoder;
+    quick.level = 1;
+    *promises = pred_size == 0 || effort == EVERYTHING;
+    if (*promises || effort == 1)
+        return ZT_OK;
+    ZT_TRY(zt__encode_frame(&quick, src, size, dst, dst_size, &probe, diag));
+    *promises = probe > 0 && probe < pred_size + pred_size / 4;
+    return ZT_OK;
+}
+
+zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
+                          size_t size, void *dst, size_t dst_size, uint8_t *codec, size_t *stored_size, zt_diag *diag) {
+    const uint8_t *pred = NULL;
+    size_t pred_size = 0, frame = 0;
+    bool promises = true;
+    if (dst_size < zt__encode_bound(size))
+        return zt__fail(diag, ZT_INTERNAL, 0, ZT__NO_OFFSET, "no room to encode");
+    if (!encoder->raw_only && shape && size > 1)
+        ZT_TRY(try_pred(encoder, effort, shape, src, size, diag, &pred, &pred_size));
+    if (!encoder->raw_only)
+        ZT_TRY(zstd_promises(encoder, effort, src, size, dst, dst_size, pred_size, diag, &promises));
+    if (!encoder->raw_only && promises)
+        ZT_TRY(zt__encode_frame(encoder, src, size, dst, dst_size, &frame, diag));
+    *codec = ZT__CODEC_RAW;
+    *stored_size = size;
+    if (pred && (frame == 0 || pred_size < frame)) {
+        *codec = ZT__CODEC_PRED;
+        *stored_size = pred_size;
+        memcpy(dst, pred, pred_size);
+    } else if (frame > 0) {
+        *codec = ZT__CODEC_ZSTD;
+        *stored_size = frame;
+    } else {
+        memcpy(dst, src, size);
+    }
     return ZT_OK;
 }

@@ -6,6 +6,7 @@
 #include "base_diag.h"
 #include "base_memory.h"
 #include "file_layout.h"
+#include "file_pred.h"
 
 /* A decoding context: one for each thread. Memory is taken once and reused. Zero-initialised is empty. */
 typedef struct zt__decoder {
@@ -16,6 +17,9 @@ typedef struct zt__decoder {
     uint64_t stored_size;
     void *raw; /* buffer for decoded bytes */
     uint64_t raw_size;
+    const zt__pred_kernel *kernel; /* of codec 2 */
+    void *pred;                    /* its scratch memory */
+    uint64_t pred_size;
 } zt__decoder;
 
 void zt__decoder_init(zt__decoder *decoder, zt__memory *memory);
@@ -40,6 +44,10 @@ zt_result zt__decode_frame(zt__sink *sink, zt__decoder *decoder, const uint8_t *
 zt_result zt__decode_stored(zt__sink *sink, zt__decoder *decoder, uint8_t codec, const uint8_t *stored, size_t size,
                             void *dst, size_t dst_size, uint64_t hash, uint32_t hash_rule, uint64_t offset);
 
+/* Decodes a tile of codec 2 (rules 5302 to 5312, 5203) into rows that begin pitch bytes apart. */
+zt_result zt__decode_pred(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape, const uint8_t *stored,
+                          size_t size, uint8_t *dst, size_t pitch, uint64_t hash, uint64_t offset);
+
 /* Reads one plane from the cursor (rules 5101 to 5105) into count elements of element_size bytes in the machine's byte
  * order; dst must be aligned for them. chunk_offset: of the cursor's first byte in the file. */
 zt_result zt__decode_plane(zt__sink *sink, zt__decoder *decoder, zt__cursor *in, uint64_t chunk_offset,
@@ -51,7 +59,12 @@ typedef struct zt__encoder {
     void *zstd; /* ZSTD_CCtx with custom allocation through memory */
     int level;  /* 1 to 19 */
     bool raw_only;
+    void *pred; /* memory of codec 2: work, then the coded tile */
+    uint64_t pred_size;
 } zt__encoder;
+
+/* The zstd level of an effort, 1 to 9. */
+int zt__level_of_effort(uint32_t effort);
 
 zt_result zt__encoder_init(zt__encoder *encoder, zt__memory *memory, int level, bool raw_only, zt_diag *diag);
 void zt__encoder_free(zt__encoder *encoder);
@@ -68,6 +81,11 @@ zt_result zt__encode_frame(zt__encoder *encoder, const void *src, size_t size, v
  * dst_size at least zt__encode_bound(size). */
 zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, void *dst, size_t dst_size,
                             uint8_t *codec, size_t *stored_size, zt_diag *diag);
+
+/* The same for a tile, with codec 2 among the codecs where shape is not NULL. effort: 1 (fast) to 9 (small), how hard codec 2 is
+ * tried and when zstd is as well. The same bytes on every machine. */
+zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
+                          size_t size, void *dst, size_t dst_size, uint8_t *codec, size_t *stored_size, zt_diag *diag);
 
 /* Most bytes of a plane with its header. */
 size_t zt__plane_bound(uint32_t element_size, uint32_t count);

@@ -107,6 +107,7 @@ static zt_result make_levels(zt_writer *w, zt__write_image *image, zt_diag *diag
     ZT_TRY(zt__alloc(&w->memory, r->levels, sizeof *image->levels, diag, &block));
     image->levels = block;
     image->tail_level = zt__tail_level(r);
+    image->pred_allowed = zt__pred_allowed(r);
     for (uint32_t i = 0; i < r->levels; i++) {
         zt__write_level *l = &image->levels[i];
         zt__level_geometry(r, i, &l->info);
@@ -249,7 +250,8 @@ static zt_result put_tile(zt_writer *w, uint32_t image, uint32_t level, uint64_t
     uint32_t size = 0;
     zt__sink sink = zt__write_sink(diag);
     ZT_TRY(check_stored(w, image, level, tile, &size, diag));
-    ZT_TRY(zt__write_verdict(diag, zt__check_tile(&sink, record, size, ZT__NO_OFFSET)));
+    bool pred_allowed = w->images[image]->pred_allowed && level < w->images[image]->tail_level;
+    ZT_TRY(zt__write_verdict(diag, zt__check_tile(&sink, record, size, pred_allowed, ZT__NO_OFFSET)));
     if (record->codec == ZT__CODEC_ZSTD)
         ZT_TRY(zt__write_verdict(diag, zt__check_frame(&sink, data, record->stored_size, size, ZT__NO_OFFSET)));
     if (record->codec == ZT__CODEC_RAW && zt__hash(data, size) != record->hash)

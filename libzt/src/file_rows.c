@@ -29,12 +29,14 @@ static zt_result make_buffers(zt_writer *w, uint64_t size, zt_diag *diag) {
     return ZT_OK;
 }
 
-static void code_tile(zt_writer *w, zt__write_slot *slot, unsigned worker, const uint8_t *bytes, size_t size) {
+/* shape: NULL where codec 2 is not allowed. */
+static void code_tile(zt_writer *w, zt__write_slot *slot, unsigned worker, const zt__pred_shape *shape,
+                      const uint8_t *bytes, size_t size) {
     zt__tile_record empty = {0};
     slot->record = empty;
     slot->record.hash = zt__hash(bytes, size);
-    slot->result = zt__encode_stored(&w->encoders[worker], bytes, size, slot->coded,
-                                     zt__encode_bound((size_t)w->tile_size), &slot->record.codec, &slot->size, NULL);
+    slot->result = zt__encode_tile(&w->encoders[worker], (uint32_t)w->options.effort, shape, bytes, size, slot->coded,
+                                   zt__encode_bound((size_t)w->tile_size), &slot->record.codec, &slot->size, NULL);
     slot->record.stored_size = (uint32_t)slot->size;
 }
 
@@ -73,7 +75,12 @@ static void cut_tile(void *context, size_t index, unsigned worker) {
     uint8_t *tile = t->writer->tile_buffers[worker];
     for (uint32_t y = 0; y < t->rows; y++)
         memcpy(tile + y * width, t->band + y * t->level->info.row_size + (size_t)x * block, width);
-    code_tile(t->writer, &t->writer->slots[index], worker, tile, width * t->rows);
+    zt__tile_box box = {.width = (uint32_t)(width / block), .height = t->rows};
+    zt__pred_shape shape = {0};
+    if (t->image->pred_allowed)
+        shape = zt__pred_shape_of(&t->image->record, &box);
+    code_tile(t->writer, &t->writer->slots[index], worker, t->image->pred_allowed ? &shape : NULL, tile,
+              width * t->rows);
 }
 
 /* slice: number of the slice in the level, over all layers. */
@@ -102,7 +109,7 @@ static zt_result cut_band(zt_writer *w, zt__write_image *image, uint32_t level, 
 static zt_result code_tail(zt_writer *w, zt__write_image *image, zt_diag *diag) {
     ZT_TRY(make_buffers(w, image->tail_size, diag));
     zt__write_slot *slot = &w->slots[0];
-    code_tile(w, slot, 0, image->tail, (size_t)image->tail_size);
+    code_tile(w, slot, 0, NULL, image->tail, (size_t)image->tail_size);
     ZT_TRY(slot_failed(slot, diag));
     ZT_TRY(zt__write_tile(w, image, image->tail_level, 0, &slot->record, slot->coded, diag));
     zt__free(&w->memory, image->tail, image->tail_size, 1);

@@ -158,8 +158,7 @@ static zt_result load_tile(zt__sample_call *call, const zt__sample_image *image,
         ZT_TRY(make_slots(call, store, &slots));
     uint32_t size = zt__unit_tile_size(&call->set->file->images[image->image], unit, tile);
     ZT_TRY(zt__alloc_raw(memory, 1, size, call->diag, &block));
-    zt_result result = zt__read_tile_into(call->set->file, &sink, &call->decoder, image->image, unit, tile, block,
-                                          size);
+    zt_result result = zt__read_tile_into(call->set->file, &sink, &call->decoder, image->image, unit, tile, block, 0);
     if (result != ZT_OK) {
         zt__free(memory, block, 1, size);
         return result;

@@ -23,13 +23,14 @@ static zt_result check_index(zt__sink *sink, const zt__image *image, uint32_t un
     zt__tile_box box;
     uint64_t sum = 0;
     bool tail = unit_index >= image->tail_level;
+    bool pred_allowed = !tail && zt__pred_allowed(&image->record);
     zt__level_geometry(&image->record, unit_index, &level);
     for (uint64_t i = 0; i < index->count; i++) {
         if (tail)
             box.size = (uint32_t)zt__tail_size(&image->record, image->tail_level);
         else
             zt__tile_geometry(&image->record, &level, i, &box);
-        ZT_TRY(zt__check_tile(sink, &index->records[i], box.size, at + i * ZT__TILE_RECORD_SIZE));
+        ZT_TRY(zt__check_tile(sink, &index->records[i], box.size, pred_allowed, at + i * ZT__TILE_RECORD_SIZE));
         index->offsets[i] = sum;
         sum += index->records[i].stored_size;
     }
@@ -114,28 +115,72 @@ static zt_result read_stored(const zt_file *file, zt__sink *sink, uint64_t at, v
     return zt__read(&file->io, at, dst, size, sink->diag);
 }
 
+/* A tile as rows of bytes: a tail is one row. */
+typedef struct tile_rows {
+    zt__pred_shape shape; /* for codec 2; R5301 has passed */
+    size_t row_size, row_count;
+} tile_rows;
+
+static tile_rows rows_of(const zt__image *image, uint32_t unit, uint64_t tile) {
+    tile_rows rows = {.row_count = 1};
+    zt_level_info level;
+    zt__tile_box box;
+    if (unit >= image->tail_level) {
+        rows.row_size = (size_t)zt__tail_size(&image->record, image->tail_level);
+        return rows;
+    }
+    zt__level_geometry(&image->record, unit, &level);
+    zt__tile_geometry(&image->record, &level, tile, &box);
+    if (zt__pred_allowed(&image->record))
+        rows.shape = zt__pred_shape_of(&image->record, &box);
+    rows.row_size = (size_t)box.width * image->record.block_bytes;
+    rows.row_count = box.height;
+    return rows;
+}
+
+/* The stored bytes of a tile: where they lie, when the file is in memory, else read into the decoder's buffer. */
+static zt_result stored_bytes(const zt_file *file, zt__sink *sink, zt__decoder *decoder, uint64_t at, size_t size,
+                              const uint8_t **out) {
+    uint8_t *buffer;
+    *out = zt__bytes_in_memory(&file->io, at, size);
+    if (*out)
+        return ZT_OK;
+    ZT_TRY(zt__decoder_stored(decoder, size, sink->diag, &buffer));
+    ZT_TRY(read_stored(file, sink, at, buffer, size));
+    *out = buffer;
+    return ZT_OK;
+}
+
+static zt_result decode_tile(const zt_file *file, zt__sink *sink, zt__decoder *decoder, const zt__tile_record *record,
+                             const tile_rows *rows, uint64_t at, uint8_t *dst, size_t pitch) {
+    const uint8_t *stored;
+    uint8_t *tight = dst;
+    size_t size = rows->row_size * rows->row_count;
+    ZT_TRY(stored_bytes(file, sink, decoder, at, record->stored_size, &stored));
+    if (record->codec == ZT__CODEC_PRED)
+        return zt__decode_pred(sink, decoder, &rows->shape, stored, record->stored_size, dst, pitch, record->hash, at);
+    if (pitch != rows->row_size)
+        ZT_TRY(zt__decoder_raw(decoder, size, sink->diag, &tight));
+    ZT_TRY(zt__decode_stored(sink, decoder, record->codec, stored, record->stored_size, tight, size, record->hash, 5203,
+                             at));
+    for (size_t y = 0; tight != dst && y < rows->row_count; y++)
+        memcpy(dst + y * pitch, tight + y * rows->row_size, rows->row_size);
+    return ZT_OK;
+}
+
 zt_result zt__read_tile_into(const zt_file *file, zt__sink *sink, zt__decoder *decoder, uint32_t image, uint32_t unit,
-                             uint64_t tile, void *dst, size_t dst_size) {
+                             uint64_t tile, void *dst, size_t pitch) {
     const zt__tile_index *index;
-    uint8_t *stored;
     ZT_TRY(zt__tile_index_of(file, sink, image, unit, &index));
     const zt__tile_record *record = &index->records[tile];
     uint64_t at = tile_place(file, image, unit, index, tile);
-    if (record->codec > ZT__CODEC_ZSTD) {
+    if (record->codec > ZT__CODEC_PRED) {
         if (sink->check)
             ZT_TRY(zt__report(sink, 5201, at, "tile codec %u is not known", record->codec));
         return zt__fail(sink->diag, ZT_UNSUPPORTED, 5201, at, "tile codec %u is not known", record->codec);
     }
-    if (record->codec == ZT__CODEC_RAW) {
-        ZT_TRY(read_stored(file, sink, at, dst, dst_size));
-        ZT_RULE(sink, 5203, zt__hash(dst, dst_size) == record->hash, at, "the hash of tile %llu is wrong",
-                (unsigned long long)tile);
-        return ZT_OK;
-    }
-    ZT_TRY(zt__decoder_stored(decoder, record->stored_size, sink->diag, &stored));
-    ZT_TRY(read_stored(file, sink, at, stored, record->stored_size));
-    return zt__decode_stored(sink, decoder, record->codec, stored, record->stored_size, dst, dst_size, record->hash,
-                             5203, at);
+    tile_rows rows = rows_of(&file->images[image], unit, tile);
+    return decode_tile(file, sink, decoder, record, &rows, at, dst, pitch ? pitch : rows.row_size);
 }
 
 /* ---- regions ---- */
@@ -169,11 +214,10 @@ static void copy_blocks(const region_job *job, const zt__tile_box *box, const ui
     }
 }
 
-/* The tile's rows follow each other in the destination as in the tile: no copy is needed. */
+/* All of the tile is wanted: it is decoded in its place. */
 static bool goes_straight(const region_job *job, const zt__tile_box *box) {
-    uint32_t bytes = job->file->images[job->image].record.block_bytes;
-    return (size_t)box->width * bytes == job->row_pitch && box->x == job->x && box->width == job->width &&
-           box->y >= job->y && box->y + box->height <= job->y + job->height;
+    return box->x >= job->x && box->x + box->width <= job->x + job->width && box->y >= job->y &&
+           box->y + box->height <= job->y + job->height;
 }
 
 static zt_result decode_one(region_job *job, size_t index, zt__decoder *decoder, zt__sink *sink) {
@@ -187,12 +231,14 @@ static zt_result decode_one(region_job *job, size_t index, zt__decoder *decoder,
     zt__tile_box box;
     zt__tile_geometry(&image->record, &job->level, tile, &box);
     zt__enter(sink, "image %u/level %u/tile %llu", job->image, job->unit, (unsigned long long)tile);
-    if (goes_straight(job, &box))
-        return zt__read_tile_into(job->file, sink, decoder, job->image, job->unit, tile,
-                                  out + (size_t)(box.y - job->y) * job->row_pitch, box.size);
+    uint32_t bytes = image->record.block_bytes;
+    if (goes_straight(job, &box)) {
+        out += (size_t)(box.y - job->y) * job->row_pitch + (size_t)(box.x - job->x) * bytes;
+        return zt__read_tile_into(job->file, sink, decoder, job->image, job->unit, tile, out, job->row_pitch);
+    }
     ZT_TRY(zt__decoder_raw(decoder, box.size, sink->diag, &raw));
-    ZT_TRY(zt__read_tile_into(job->file, sink, decoder, job->image, job->unit, tile, raw, box.size));
-    copy_blocks(job, &box, raw, (size_t)box.width * image->record.block_bytes, out);
+    ZT_TRY(zt__read_tile_into(job->file, sink, decoder, job->image, job->unit, tile, raw, 0));
+    copy_blocks(job, &box, raw, (size_t)box.width * bytes, out);
     return ZT_OK;
 }
 
@@ -254,7 +300,7 @@ static zt_result run_tail(region_job *job, zt_diag *diag) {
     zt__decoder_init(&decoder, zt__memory_of(job->file));
     zt_result result = zt__decoder_raw(&decoder, size, diag, &raw);
     if (result == ZT_OK)
-        result = zt__read_tile_into(job->file, &sink, &decoder, job->image, job->unit, 0, raw, size);
+        result = zt__read_tile_into(job->file, &sink, &decoder, job->image, job->unit, 0, raw, 0);
     for (uint32_t z = 0; result == ZT_OK && z < job->region.depth; z++) {
         uint64_t at = zt__tail_offset(&image->record, job->region.level) + job->region.layer * job->level.layer_size +
                       (job->region.z + z) * job->level.slice_size;
@@ -391,7 +437,7 @@ zt_result zt_decode_tile(const zt_file *file, uint32_t image, uint32_t level, ui
     sink.diag = diag;
     zt__enter(&sink, "image %u/unit %u/tile %llu", image, unit, (unsigned long long)tile);
     zt__decoder_init(&decoder, zt__memory_of(file));
-    zt_result result = zt__read_tile_into(file, &sink, &decoder, image, unit, tile, dst, size);
+    zt_result result = zt__read_tile_into(file, &sink, &decoder, image, unit, tile, dst, 0);
     zt__decoder_free(&decoder);
     return result;
 }

@@ -11,7 +11,7 @@
 #include "file_check.h"
 #include "file_open.h"
 
-enum { DEFAULT_LEVEL = 9, DEFAULT_SPOOL = 64 << 20, MOST_WORKERS = 256, SLOTS_PER_WORKER = 2 };
+enum { DEFAULT_EFFORT = 5, DEFAULT_SPOOL = 64 << 20, MOST_WORKERS = 256, SLOTS_PER_WORKER = 2 };
 
 /* ---- small things -------------------------------------------------------------------------------- */
 
@@ -84,8 +84,8 @@ static zt_result check_options(const zt_writer_options *options, zt_diag *diag) 
         return zt__bad_argument(diag, "the allocator lacks a function");
     if (p && (!p->run || p->workers < 1 || p->workers > MOST_WORKERS))
         return zt__bad_argument(diag, "parallel has no function, or its workers are not 1 to 256");
-    if (options->zstd_level < 0 || options->zstd_level > 19)
-        return zt__bad_argument(diag, "zstd_level is not 0 to 19");
+    if (options->effort < 0 || options->effort > 9)
+        return zt__bad_argument(diag, "effort is not 0 to 9");
     if (options->flags & ~(uint32_t)ZT_WRITE_NO_FSYNC)
         return zt__bad_argument(diag, "unknown flags");
     return ZT_OK;
@@ -103,7 +103,8 @@ static zt_result make_workers(zt_writer *w, zt_diag *diag) {
     w->slots = block;
     w->slot_count = slots;
     for (unsigned i = 0; i < w->worker_count; i++)
-        ZT_TRY(zt__encoder_init(&w->encoders[i], &w->memory, w->options.zstd_level, w->options.raw_only != 0, diag));
+        ZT_TRY(zt__encoder_init(&w->encoders[i], &w->memory, zt__level_of_effort((uint32_t)w->options.effort),
+                                w->options.raw_only != 0, diag));
     return ZT_OK;
 }
 
@@ -144,8 +145,8 @@ static zt_result open_writer(const char *path, const zt_sink *sink, const zt_wri
     w->limits = limits;
     if (options)
         w->options = *options;
-    if (w->options.zstd_level == 0)
-        w->options.zstd_level = DEFAULT_LEVEL;
+    if (w->options.effort == 0)
+        w->options.effort = DEFAULT_EFFORT;
     if (w->options.spool_memory == 0)
         w->options.spool_memory = DEFAULT_SPOOL;
     if (w->options.parallel) {

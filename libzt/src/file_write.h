@@ -43,6 +43,7 @@ typedef struct zt__write_image {
     const zt_format_info *format; /* NULL: unknown */
     zt_image_desc desc;
     uint32_t tail_level, unit_count;
+    bool pred_allowed; /* for tiles of levels: R5301 */
     zt__write_unit *units;
     zt__write_level *levels;
     uint8_t *tail;

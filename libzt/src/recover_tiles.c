@@ -140,7 +140,7 @@ static zt_result is_intact(zt__recovery *r, uint32_t image, uint32_t unit, uint6
     uint32_t size = zt__unit_tile_size(&r->file->images[image], unit, tile);
     zt__begin(&diag);
     ZT_TRY(zt__decoder_raw(&r->decoder, size, r->diag, &raw));
-    zt_result result = zt__read_tile_into(r->file, &sink, &r->decoder, image, unit, tile, raw, size);
+    zt_result result = zt__read_tile_into(r->file, &sink, &r->decoder, image, unit, tile, raw, 0);
     *intact = result == ZT_OK;
     if (result == ZT_UNSUPPORTED && zt_get_tile(r->file, image, unit, tile, &info, NULL) == ZT_OK) {
         const zt__piece *texels = &r->pieces[r->texels_piece];

@@ -135,7 +135,7 @@ static zt_result read_one(const validation *v, zt__sink *sink, zt__decoder *deco
     uint8_t *raw;
     size_t size = zt__unit_tile_size(&v->file->images[image], unit, tile);
     ZT_TRY(zt__decoder_raw(decoder, size, sink->diag, &raw));
-    return zt__read_tile_into(v->file, sink, decoder, image, unit, tile, raw, size);
+    return zt__read_tile_into(v->file, sink, decoder, image, unit, tile, raw, 0);
 }
 
 static void tile_task(void *context, size_t index, unsigned worker) {

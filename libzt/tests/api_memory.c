@@ -181,7 +181,7 @@ static zt_result use_write(blob b, const zt_allocator *allocator, zt_diag *diag)
     zt_sink sink = {&total, discard};
     zt_writer *writer = NULL;
     zt_file *file = NULL;
-    zt_writer_options options = {.allocator = allocator, .zstd_level = 1};
+    zt_writer_options options = {.allocator = allocator, .effort = 1};
     zt_result result = zt_open_memory(b.data, b.size, NULL, diag, &file);
     CHECK(result == ZT_OK);
     result = zt_writer_open_sink(&sink, &options, diag, &writer);

@@ -88,7 +88,7 @@ static void test_formats(void) {
         for (uint32_t e = 0; e < 8; e++) {
             memory_sink s;
             zt_sink sink = memory_sink_of(&s);
-            zt_writer_options options = {.raw_only = (int)(e & 1), .zstd_level = 1};
+            zt_writer_options options = {.raw_only = (int)(e & 1), .effort = 1};
             zt_image_desc desc = {.format = f->format,
                                   .width = WIDTH,
                                   .height = HEIGHT,
@@ -144,7 +144,7 @@ static void test_canonical(void) {
             zt_sink sink = memory_sink_of(&s);
             zt_threads *pool = NULL;
             zt_parallel parallel;
-            zt_writer_options options = {.spool_memory = i < 3 ? 0 : 1 << 20, .zstd_level = 3};
+            zt_writer_options options = {.spool_memory = i < 3 ? 0 : 1 << 20, .effort = 3};
             if (threads[i % 3] != 0) {
                 CHECK(zt_threads_open(threads[i % 3], &pool) == ZT_OK);
                 parallel = zt_threads_parallel(pool);
@@ -246,7 +246,7 @@ static void test_arguments(void) {
     zt_diag diag;
     uint32_t image;
     uint8_t row[64 * 4] = {0};
-    zt_writer_options bad = {.zstd_level = 20};
+    zt_writer_options bad = {.effort = 10};
     CHECK(zt_writer_open_sink(&sink, &bad, &diag, &w) == ZT_BAD_ARGUMENT && !w);
     CHECK(zt_writer_open_path("/nowhere/at/all.ztex", NULL, &diag, &w) == ZT_IO && !w);
     CHECK(zt_writer_open_sink(&sink, NULL, NULL, &w) == ZT_OK);

@@ -61,7 +61,7 @@ static zt_result fill_writer(zt_writer *w, const uint8_t *texels) {
 
 static zt_result run(counter *c, const uint8_t *texels, memory_sink *s) {
     zt_allocator allocator = {c, count_alloc, count_free};
-    zt_writer_options options = {.allocator = &allocator, .zstd_level = 1};
+    zt_writer_options options = {.allocator = &allocator, .effort = 1};
     zt_sink sink = memory_sink_of(s);
     zt_writer *w;
     zt_result r = zt_writer_open_sink(&sink, &options, NULL, &w);

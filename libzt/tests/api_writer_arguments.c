@@ -61,7 +61,7 @@ static void test_open(void) {
     zt_writer *writer;
     zt_sink sink = {&out, collect}, no_write = {&out, NULL};
     zt_allocator half = {0};
-    const zt_writer_options bad[] = {{.size = 1}, {.zstd_level = 20}, {.zstd_level = -1}, {.allocator = &half}};
+    const zt_writer_options bad[] = {{.size = 1}, {.effort = 10}, {.effort = -1}, {.allocator = &half}};
     BAD(zt_writer_open_sink(&sink, NULL, &diag, NULL));
     BAD(zt_writer_open_path("x.ztex", NULL, &diag, NULL));
     writer = (zt_writer *)(uintptr_t)&out;

@@ -13,7 +13,7 @@
 
 static zt_file *write_levels(const zt_image_desc *desc, const void *texels, memory_sink *s) {
     zt_sink sink = memory_sink_of(s);
-    zt_writer_options options = {.zstd_level = 1};
+    zt_writer_options options = {.effort = 1};
     zt_writer *w;
     zt_file *file;
     zt_diag diag = {0};

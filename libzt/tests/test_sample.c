@@ -65,7 +65,7 @@ static void must(zt_result result, const zt_diag *diag) {
 static scene *scene_begin(void) {
     scene *s = calloc(1, sizeof *s);
     zt_sink sink = {s, take_bytes};
-    zt_writer_options options = {.zstd_level = 1};
+    zt_writer_options options = {.effort = 1};
     zt_diag diag = {0};
     must(zt_writer_open_sink(&sink, &options, &diag, &s->writer), &diag);
     return s;

@@ -47,7 +47,7 @@ static void texel(uint32_t x, uint32_t y, unsigned char *out) {
 static int write_image(const char *path, uint32_t edge, const zt_parallel *parallel) {
     zt_diag diag = {0};
     zt_writer *writer;
-    zt_writer_options options = {.parallel = parallel, .zstd_level = 1, .flags = ZT_WRITE_NO_FSYNC};
+    zt_writer_options options = {.parallel = parallel, .effort = 1, .flags = ZT_WRITE_NO_FSYNC};
     zt_image_desc desc = {
         .format = 43, .width = edge, .height = edge, .wrap_u = ZT_WRAP_CLAMP, .wrap_v = ZT_WRAP_CLAMP};
     uint32_t image;

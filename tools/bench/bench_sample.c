@@ -122,7 +122,7 @@ static void add_zipmap(zt_writer *writer, unsigned root, unsigned count) {
 static buffer make_file(unsigned patches) {
     buffer b = {0};
     zt_sink sink = {&b, take_bytes};
-    zt_writer_options options = {.zstd_level = 1};
+    zt_writer_options options = {.effort = 1};
     zt_writer *writer;
     zt_diag diag = {0};
     must(zt_writer_open_sink(&sink, &options, &diag, &writer), &diag);

@@ -52,6 +52,7 @@ POSIX_HEADERS = set('''dirent.h fcntl.h getopt.h libgen.h strings.h unistd.h sys
 # (files, headers that they may include beside libc, their own folder and zt/*.h)
 EXTERNALS = [
     ('libzt/src/base_threads.c', ('pthread.h',)),
+    ('libzt/src/file_pred_avx2.c', ('immintrin.h',)),
     ('libzt/src/*', ('zstd.h', 'zstd_errors.h', 'xxhash.h')),
     ('libzt/tests/test_*', ('pthread.h', 'zstd.h', 'xxhash.h')),
     ('libzt/tests/*', ('pthread.h',)),
@@ -62,6 +63,8 @@ EXTERNALS = [
     # The mutator seals what it changes.
     ('fuzz/*', ('zstd.h', 'xxhash.h')),
     ('tools/*_cv.cpp', ('opencv2/*',)),
+    # The peers of the codec benchmark.
+    ('tools/bench/codec_*.c', ('png.h', 'spng.h', 'qoi.h', 'webp/*', 'jxl/*', 'OpenEXR/openexr.h', 'zstd.h')),
     ('tools/ztex/image_load.c', ('dlfcn.h', 'pthread.h')),
     ('tools/*', ('jansson.h', 'pthread.h')),
 ]

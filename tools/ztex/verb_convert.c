@@ -12,12 +12,12 @@ static const cmd_option options[] = {
      .metavar = "FILE",
      .kind = CMD_TEXTURE,
      .help = "The texture file to write; - is standard output. Required."},
-    {.name = "zstd-level",
+    {.name = "effort",
      .metavar = "N",
      .kind = CMD_INTEGER,
      .min = 1,
-     .max = 19,
-     .help = "Compress every tile anew with this effort. By default tiles stay as they are stored."},
+     .max = 9,
+     .help = "Compress anew with this effort: 1 is fast, 9 is small."},
     {.name = "raw", .help = "Do not compress."},
     {.name = "tile-edge",
      .metavar = "N",
@@ -71,7 +71,7 @@ static const cmd_option options[] = {
     {0}};
 
 static const cmd_example examples[] = {
-    {"ztex convert brick.ztex -o small.ztex --zstd-level 19", "Compress as well as it goes."},
+    {"ztex convert brick.ztex -o small.ztex --effort 9", "Compress as well as it goes."},
     {"ztex convert sky.ztex -o sky16.ztex --format R16G16B16A16_SFLOAT", "Colours as half floats, linear."},
     {"ztex convert all.ztex -o wall.ztex --keep-textures wall --strip", "One texture alone."},
     {"ztex convert wall.ztex -o new.ztex --meta zt.license=CC0-1.0", "Set the licence; texels stay bit for bit."},
@@ -108,9 +108,9 @@ static int read_wishes(convert_job *job) {
     if ((edge & (edge - 1)) != 0)
         return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)edge);
     job->tile_edge = (uint32_t)edge;
-    job->recode = cmd_given(args, "zstd-level") || cmd_given(args, "raw");
-    if (cmd_given(args, "zstd-level") && cmd_given(args, "raw"))
-        return cmd_usage(args, "--zstd-level and --raw exclude each other");
+    job->recode = cmd_given(args, "effort") || cmd_given(args, "raw");
+    if (cmd_given(args, "effort") && cmd_given(args, "raw"))
+        return cmd_usage(args, "--effort and --raw exclude each other");
     job->all_levels = levels && strcmp(levels, "all") == 0;
     job->rebuild = filter >= 0 || (levels && strcmp(levels, "rebuild") == 0);
     job->levels = levels && levels[0] >= '0' && levels[0] <= '9' ? (uint32_t)cmd_integer(args, "levels") : 0;
@@ -290,7 +290,7 @@ static int copy_everything(convert_job *job) {
 
 static int convert(convert_job *job, const char *path) {
     zt_writer_options how = {.size = sizeof how,
-                             .zstd_level = (int)cmd_integer(job->args, "zstd-level"),
+                             .effort = (int)cmd_integer(job->args, "effort"),
                              .raw_only = cmd_given(job->args, "raw") != 0,
                              .flags = cmd_given(job->args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0};
     zt_get_file(job->input.file, &job->file);

@@ -101,13 +101,13 @@ static const cmd_option options[] = {
      .choices = "16|32|64|128|256|512|1024",
      .fallback = "256",
      .help = "Edge of the tiles that are compressed and read one by one, a power of two."},
-    {.name = "zstd-level",
+    {.name = "effort",
      .metavar = "N",
      .kind = CMD_INTEGER,
      .min = 1,
-     .max = 19,
-     .fallback = "9",
-     .help = "Effort of the compression."},
+     .max = 9,
+     .fallback = "5",
+     .help = "Effort of the compression: 1 is fast, 9 is small."},
     {.name = "raw", .help = "Do not compress."},
     {.name = "no-fsync", .help = "Do not wait for the disk, for temporary files and bulk jobs."},
     {0}};
@@ -466,7 +466,7 @@ static int run(cmd_args *args) {
     char *temporary = NULL;
     cmd_progress progress;
     zt_writer_options writer = {.size = sizeof writer,
-                                .zstd_level = (int)cmd_integer(args, "zstd-level"),
+                                .effort = (int)cmd_integer(args, "effort"),
                                 .raw_only = cmd_given(args, "raw") > 0,
                                 .flags = cmd_given(args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0,
                                 .user = &progress,

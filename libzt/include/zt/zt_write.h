@@ -47,7 +47,7 @@ typedef struct zt_writer_options {
     const zt_allocator *allocator; /* NULL: malloc */
     const zt_parallel *parallel;   /* NULL: in the calling thread. Copied; its user must live as long as the writer */
     const zt_limits *limits;       /* memory applies to the writer's buffers; NULL: defaults. Copied */
-    int zstd_level;                /* 1 to 19; 0: the default, 9 */
+    int effort;                    /* of compression: 1 (fast) to 9 (small); 0: the default, 5 */
     int raw_only;                  /* 1: store tiles raw */
     uint64_t spool_memory; /* bytes of compressed tiles held in memory before a temporary file is used; 0: 64 MiB */
     uint32_t flags;        /* ZT_WRITE_... */

@@ -49,13 +49,13 @@ class Convert(support.Case):
 
     def test_storage(self):
         before = self.probe("a.ztex")
-        for words in (["--raw"], ["--zstd-level", "1"], ["--tile-edge", "32"]):
+        for words in (["--raw"], ["--effort", "1"], ["--tile-edge", "32"]):
             after = self.convert(*words)
             self.same_texels()
             self.assertEqual(after["textures"], before["textures"])
         self.assertEqual({i["tile_edge"] for i in after["images"]}, {32})
         os.rename("b.ztex", "c.ztex")
-        self.ztex("convert", "c.ztex", "-o", "d.ztex", "--tile-edge", "256", "--zstd-level", "9")
+        self.ztex("convert", "c.ztex", "-o", "d.ztex", "--tile-edge", "256", "--effort", "5")
         self.assertEqual(read("a.ztex"), read("d.ztex"))
 
     def test_format(self):

@@ -124,7 +124,7 @@ class Parsing(support.Case):
         self.wrong(["make", "a", "--wrap"], "--wrap wants MODE")
         self.wrong(["make", "a", "--raw=yes"], "takes no value")
         self.wrong(["make", "a", "--levels", "0"], "1 to 32")
-        self.wrong(["make", "a", "--zstd-level", "20"], "1 to 19")
+        self.wrong(["make", "a", "--effort", "10"], "1 to 9")
         self.wrong(["make", "a", "--memory", "12Q"], "512M")
         self.wrong(["make", "a", "--format", "R8G8B8A8_SRBG"], "R8G8B8A8_SRGB")
         self.wrong(["make", "a", "-o", "b", "-o", "c"], "given twice")

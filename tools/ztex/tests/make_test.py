@@ -253,7 +253,7 @@ class Files(support.Case):
         self.trace_free("p.png")
 
     def wait_until_open(self, run, name):
-        """Until the process has the file open: then it is at work on it, which takes seconds at level 19."""
+        """Until the process has the file open: then it is at work on it, which takes seconds at effort 9."""
         folder = f"/proc/{run.pid}/fd"
         while run.poll() is None:
             for entry in os.listdir(folder):
@@ -269,7 +269,7 @@ class Files(support.Case):
         save("p.png", numpy.random.randint(0, 256, (3000, 3000, 3), numpy.uint8), compress_level=0)
         with open("out.ztex", "w") as file:
             file.write("precious")
-        run = subprocess.Popen([ZTEX, "make", "p.png", "-o", "out.ztex", "--zstd-level", "19"], stderr=subprocess.PIPE)
+        run = subprocess.Popen([ZTEX, "make", "p.png", "-o", "out.ztex", "--effort", "9"], stderr=subprocess.PIPE)
         self.wait_until_open(run, "p.png")
         run.send_signal(signal.SIGINT)
         errors = run.communicate()[1].decode()
@@ -285,7 +285,7 @@ class Files(support.Case):
         program = ("import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True); "
                    "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
         run = subprocess.run(["/usr/bin/python3", "-c", program, ZTEX, "make", "big.png", "-o", "b.ztex", "--no-fsync",
-                              "--zstd-level", "1", "--threads", "2"], stdout=subprocess.PIPE, check=True)
+                              "--effort", "1", "--threads", "2"], stdout=subprocess.PIPE, check=True)
         return int(run.stdout) / 1024
 
     @unittest.skipIf(support.SANITIZED, "sanitizers need memory of their own")

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* memcpy, and the way of KTX2: one zstd frame for the whole level. */
+#include <string.h>
+
+#include <zstd.h>
+
+#include "codec.h"
+
+int codec_copy_encode(const codec_contender *self, const codec_picture *picture, codec_bytes *out) {
+    (void)self;
+    out->size = 0;
+    return codec_append(out, picture->texels, picture->size);
+}
+
+int codec_copy_decode(const codec_contender *self, const codec_picture *picture, const codec_bytes *in, void *texels) {
+    (void)self;
+    memcpy(texels, in->data, picture->size);
+    return 1;
+}
+
+/* The contexts are made once, as a loader of many textures would. */
+int codec_zstd_encode(const codec_contender *self, const codec_picture *picture, codec_bytes *out) {
+    static ZSTD_CCtx *context;
+    size_t bound = ZSTD_compressBound(picture->size);
+    if (!context)
+        context = ZSTD_createCCtx();
+    if (!context || !codec_reserve(out, bound))
+        return 0;
+    size_t size = ZSTD_compressCCtx(context, out->data, bound, picture->texels, picture->size, self->level);
+    if (ZSTD_isError(size)) {
+        fprintf(stderr, "zstd: %s\n", ZSTD_getErrorName(size));
+        return 0;
+    }
+    out->size = size;
+    return 1;
+}
+
+int codec_zstd_decode(const codec_contender *self, const codec_picture *picture, const codec_bytes *in, void *texels) {
+    static ZSTD_DCtx *context;
+    (void)self;
+    if (!context)
+        context = ZSTD_createDCtx();
+    return context && ZSTD_decompressDCtx(context, texels, picture->size, in->data, in->size) == picture->size;
+}
