@@ -35,9 +35,9 @@ static void print_file(const ins_job *job) {
     char buffer[24];
     zt_file_info info;
     zt_get_file(job->file, &info);
-    printf("  .ztex %u.%u, %s, %u chunks, %u textures, %u images\n", info.major, info.minor,
+    printf("  .ztex %u.%u, %s, %u chunks, %u texture%s, %u image%s\n", info.major, info.minor,
            bytes_of(info.file_size, buffer), (unsigned)info.chunk_count, (unsigned)info.texture_count,
-           (unsigned)info.image_count);
+           info.texture_count == 1 ? "" : "s", (unsigned)info.image_count, info.image_count == 1 ? "" : "s");
 }
 
 static void print_chunk(const zt_chunk_info *c, const char *end) {
