@@ -279,25 +279,6 @@ zt_result zt__encode_frame(zt__encoder *encoder, const void *src, size_t size, v
     return ZT_OK;
 }
 
-zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, void *dst, size_t dst_size,
-                            uint8_t *codec, size_t *stored_size, zt_diag *diag) {
-    *codec = ZT__CODEC_RAW;
-    *stored_size = 0;
-    if (dst_size < zt__encode_bound(size))
-        return zt__fail(diag, ZT_INTERNAL, 0, ZT__NO_OFFSET, "no room to encode");
-    size_t frame = 0;
-    if (!encoder->raw_only)
-        ZT_TRY(zt__encode_frame(encoder, src, size, dst, dst_size, &frame, diag));
-    if (frame > 0) {
-        *codec = ZT__CODEC_ZSTD;
-        *stored_size = frame;
-        return ZT_OK;
-    }
-    memcpy(dst, src, size);
-    *stored_size = size;
-    return ZT_OK;
-}
-
 /* ---- tiles ---- */
 
 enum { EFFORTS = 9, EVERYTHING = 9 };
@@ -340,6 +321,8 @@ zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_
     const uint8_t *pred = NULL;
     size_t pred_size = 0, frame = 0;
     bool promises = true;
+    *codec = ZT__CODEC_RAW;
+    *stored_size = 0;
     if (dst_size < zt__encode_bound(size))
         return zt__fail(diag, ZT_INTERNAL, 0, ZT__NO_OFFSET, "no room to encode");
     if (!encoder->raw_only && shape && size > 1)
@@ -348,7 +331,6 @@ zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_
         ZT_TRY(zstd_promises(encoder, effort, src, size, dst, dst_size, pred_size, diag, &promises));
     if (!encoder->raw_only && promises)
         ZT_TRY(zt__encode_frame(encoder, src, size, dst, dst_size, &frame, diag));
-    *codec = ZT__CODEC_RAW;
     *stored_size = size;
     if (pred && (frame == 0 || pred_size < frame)) {
         *codec = ZT__CODEC_PRED;
@@ -361,4 +343,9 @@ zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_
         memcpy(dst, src, size);
     }
     return ZT_OK;
+}
+
+zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, void *dst, size_t dst_size,
+                            uint8_t *codec, size_t *stored_size, zt_diag *diag) {
+    return zt__encode_tile(encoder, EVERYTHING, NULL, src, size, dst, dst_size, codec, stored_size, diag);
 }

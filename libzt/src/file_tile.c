@@ -5,14 +5,32 @@
 #include "file_check.h"
 #include "file_open.h"
 
-uint32_t zt__unit_tile_size(const zt__image *image, uint32_t unit, uint64_t tile) {
+/* A tile as rows of bytes: a tail is one row. */
+typedef struct tile_rows {
+    zt__pred_shape shape; /* for codec 2; R5301 has passed */
+    size_t row_size, row_count;
+} tile_rows;
+
+static tile_rows rows_of(const zt__image *image, uint32_t unit, uint64_t tile) {
+    tile_rows rows = {.row_count = 1};
     zt_level_info level;
     zt__tile_box box;
-    if (unit >= image->tail_level)
-        return (uint32_t)zt__tail_size(&image->record, image->tail_level);
+    if (unit >= image->tail_level) {
+        rows.row_size = (size_t)zt__tail_size(&image->record, image->tail_level);
+        return rows;
+    }
     zt__level_geometry(&image->record, unit, &level);
     zt__tile_geometry(&image->record, &level, tile, &box);
-    return box.size;
+    if (zt__pred_allowed(&image->record))
+        rows.shape = zt__pred_shape_of(&image->record, &box);
+    rows.row_size = (size_t)box.width * image->record.block_bytes;
+    rows.row_count = box.height;
+    return rows;
+}
+
+uint32_t zt__unit_tile_size(const zt__image *image, uint32_t unit, uint64_t tile) {
+    tile_rows rows = rows_of(image, unit, tile);
+    return (uint32_t)(rows.row_size * rows.row_count); /* R6004: at most 2^30 */
 }
 
 /* ---- the index ---- */
@@ -113,29 +131,6 @@ static zt_result read_stored(const zt_file *file, zt__sink *sink, uint64_t at, v
     ZT_RULE(sink, 2006, zt__range_ok(at, size, file->io.size), file->io.size, "the tile at %llu is not in the file",
             (unsigned long long)at);
     return zt__read(&file->io, at, dst, size, sink->diag);
-}
-
-/* A tile as rows of bytes: a tail is one row. */
-typedef struct tile_rows {
-    zt__pred_shape shape; /* for codec 2; R5301 has passed */
-    size_t row_size, row_count;
-} tile_rows;
-
-static tile_rows rows_of(const zt__image *image, uint32_t unit, uint64_t tile) {
-    tile_rows rows = {.row_count = 1};
-    zt_level_info level;
-    zt__tile_box box;
-    if (unit >= image->tail_level) {
-        rows.row_size = (size_t)zt__tail_size(&image->record, image->tail_level);
-        return rows;
-    }
-    zt__level_geometry(&image->record, unit, &level);
-    zt__tile_geometry(&image->record, &level, tile, &box);
-    if (zt__pred_allowed(&image->record))
-        rows.shape = zt__pred_shape_of(&image->record, &box);
-    rows.row_size = (size_t)box.width * image->record.block_bytes;
-    rows.row_count = box.height;
-    return rows;
 }
 
 /* The stored bytes of a tile: where they lie, when the file is in memory, else read into the decoder's buffer. */
