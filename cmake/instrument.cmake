@@ -6,7 +6,7 @@ if(ZT_SANITIZE)
   # libFuzzer's own flag belongs to the targets that have an entry point for it.
   string(REGEX REPLACE "fuzzer-no-link,?" "" zt_link_sanitize "${ZT_SANITIZE}")
   add_link_options(-fsanitize=${zt_link_sanitize})
-  if(ZT_SANITIZE MATCHES "address|undefined")
+  if(ZT_SANITIZE MATCHES "address|undefined|memory")
     add_compile_options(-fno-sanitize-recover=all)
     add_link_options(-fno-sanitize-recover=all)
   endif()

@@ -2,17 +2,17 @@
 /*
  * main() for builds without libFuzzer.
  *
- *     fuzz_open FILE|FOLDER...                  each file once
- *     fuzz_open --mutate COUNT FILE|FOLDER...   COUNT mutations of them, always the same ones
+ *     fuzz_open FILE|FOLDER...                              each file once
+ *     fuzz_open --mutate COUNT [--seed N] [FILE|FOLDER...]  COUNT mutations of them, always the same ones for a seed;
+ *                                                           without files, of an empty input
  *
- * With --mutate, an input that ends the process is written to crash-input.ztex first.
+ * With --mutate, an input that ends the process is written to crash-input first.
  */
 #include <dirent.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "mutate.h"
 #include "support.h"
 
 enum { LARGEST_INPUT = 1 << 16, MOST_STACKED = 3 };
@@ -78,14 +78,15 @@ static int compare_names(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The .ztex files of a folder by name, so that a campaign is the same everywhere. A folder that is not there is empty. */
+/* The .ztex and .tile files of a folder by name, so that a campaign is the same everywhere. A folder that is not there is
+ * empty. */
 static void add_folder(const char *path, DIR *folder) {
     char *names[4096], full[4096];
     size_t count = 0;
     for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
         REQUIRE(count < sizeof names / sizeof *names);
         const char *end = strrchr(entry->d_name, '.');
-        if (end && strcmp(end, ".ztex") == 0)
+        if (end && (strcmp(end, ".ztex") == 0 || strcmp(end, ".tile") == 0))
             names[count++] = strdup(entry->d_name);
     }
     qsort(names, count, sizeof *names, compare_names);
@@ -109,50 +110,78 @@ static void add_path(const char *path) {
     closedir(folder);
 }
 
-static void on_abort(int signal_number) {
-    FILE *file = fopen("crash-input.ztex", "wb");
+/* Signals of failing requirements and of memory that cannot be accessed, and who handled them before. */
+static const int deadly[] = {SIGABRT, SIGSEGV, SIGBUS};
+static void (*handled[sizeof deadly / sizeof *deadly])(int);
+
+/* Returning goes on to the handler before, which is the sanitizer's or the end. */
+static void on_deadly(int signal_number) {
+    FILE *file = fopen("crash-input", "wb");
     if (file) {
         fwrite(current, 1, current_size, file);
         fclose(file);
     }
-    signal(signal_number, SIG_DFL);
-    raise(signal_number);
+    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
+        if (deadly[i] == signal_number)
+            signal(signal_number, handled[i]);
 }
 
-static void mutate(unsigned long count) {
-    fuzz_random random = {1};
-    signal(SIGABRT, on_abort);
-    for (unsigned long i = 0; i < count; i++) {
-        const input *seed = &inputs[fuzz_below(&random, (uint32_t)input_count)];
-        current_size = seed->size;
-        memcpy(current, seed->data, seed->size);
+static volatile sig_atomic_t stopped;
+
+static void on_stop(int signal_number) {
+    (void)signal_number;
+    stopped = 1;
+}
+
+/* Returns how many there were: all of them, or fewer when it was told to stop. */
+static unsigned long long mutate(unsigned long long count, unsigned long seed) {
+    fuzz_random random = {seed * UINT64_C(0x9E3779B97F4A7C15) | 1};
+    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
+        handled[i] = signal(deadly[i], on_deadly);
+    signal(SIGINT, on_stop);
+    signal(SIGTERM, on_stop);
+    unsigned long long i = 0;
+    for (; i < count && !stopped; i++) {
+        current_size = 0;
+        if (input_count > 0) {
+            const input *from = &inputs[fuzz_below(&random, (uint32_t)input_count)];
+            current_size = from->size;
+            memcpy(current, from->data, from->size);
+        }
         for (uint32_t n = 1 + fuzz_below(&random, MOST_STACKED); n > 0; n--)
             current_size = LLVMFuzzerCustomMutator(current, current_size, sizeof current, (unsigned)fuzz_next(&random));
         LLVMFuzzerTestOneInput(current, current_size);
     }
+    return i;
 }
 
+#pragma weak LLVMFuzzerInitialize
+
 int main(int argc, char **argv) {
-    unsigned long count = 0;
+    unsigned long long count = 0;
+    unsigned long seed = 0;
     int first = 1;
-    if (argc > 2 && strcmp(argv[1], "--mutate") == 0) {
-        count = strtoul(argv[2], NULL, 10);
-        first = 3;
+    for (; first + 1 < argc && strncmp(argv[first], "--", 2) == 0; first += 2) {
+        if (strcmp(argv[first], "--mutate") == 0)
+            count = strtoull(argv[first + 1], NULL, 10);
+        else if (strcmp(argv[first], "--seed") == 0)
+            seed = strtoul(argv[first + 1], NULL, 10);
     }
     for (int i = first; i < argc; i++)
         add_path(argv[i]);
-    if (input_count == 0) {
+    if (LLVMFuzzerInitialize)
+        LLVMFuzzerInitialize(&argc, &argv);
+    if (input_count == 0 && count == 0) {
         fprintf(stderr, "%s: no inputs\n", argv[0]);
         return 2;
     }
-    if (count > 0)
-        mutate(count);
+    unsigned long long done = count > 0 ? mutate(count, seed) : input_count;
     for (size_t i = 0; i < input_count; i++) {
         if (count == 0)
             LLVMFuzzerTestOneInput(inputs[i].data, inputs[i].size);
         free(inputs[i].data);
     }
     free(inputs);
-    printf("%lu inputs\n", count > 0 ? count : (unsigned long)input_count);
+    printf("%llu inputs\n", done);
     return 0;
 }

@@ -183,6 +183,21 @@ static void copy_zipmap(zt_writer *writer, const zt_file *file, uint32_t texture
     free(sources);
 }
 
+static void copy_silmap(zt_writer *writer, const zt_file *file, uint32_t texture, const zt_texture_desc *desc) {
+    uint32_t samples[32], minified[32];
+    zt_silmap_info info;
+    zt_diag diag;
+    REQUIRE(zt_get_silmap(file, texture, &info) == ZT_OK);
+    for (uint32_t k = 0; k < desc->layer_count; k++) {
+        samples[k] = desc->layers[k].image;
+        minified[k] = zt_get_silmap_minified(file, texture, k);
+    }
+    zt_silmap_desc silmap = {info.cells_x, info.cells_y, info.cell_layers, info.filter, info.cells, samples, minified};
+    zt_result result = zt_writer_add_silmap(writer, desc, &silmap, &diag, NULL);
+    fuzz_require_diag(&diag, result, 0);
+    REQUIRE(result == ZT_OK);
+}
+
 static void copy_textures(zt_writer *writer, const zt_file *file, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         zt_texture_info info;
@@ -198,6 +213,10 @@ static void copy_textures(zt_writer *writer, const zt_file *file, uint32_t count
         zt_texture_desc desc = {info.name, info.wrap_u, info.wrap_v, info.wrap_w, layers, info.layer_count, 0};
         if (info.kind == ZT_KIND_ZIPMAP) {
             copy_zipmap(writer, file, i, &desc, info.patch_count);
+            continue;
+        }
+        if (info.kind == ZT_KIND_SILMAP) {
+            copy_silmap(writer, file, i, &desc);
             continue;
         }
         zt_result result = zt_writer_add_texture(writer, &desc, &diag, NULL);
@@ -435,6 +454,47 @@ static void add_zipmap(zt_writer *writer, input *in, const zt_texture_desc *desc
     accepted(zt_writer_add_zipmap(writer, desc, patches, 1 + take8(in) % 3, &diag, NULL), &diag);
 }
 
+/* An image of a silmap, filled; ZT_NONE: the writer refuses it. */
+static uint32_t add_silmap_image(zt_writer *writer, input *in, zt_image_desc *desc) {
+    uint32_t image;
+    zt_diag diag;
+    if (!accepted(zt_writer_add_image(writer, desc, &diag, &image), &diag))
+        return ZT_NONE;
+    return fill_level(writer, in, image, desc, 0) == ZT_OK ? image : ZT_NONE;
+}
+
+static void add_silmap(zt_writer *writer, input *in, const zt_texture_desc *desc) {
+    static const uint32_t formats[] = {9, 23, 43, 97};
+    enum { EDGE = 16 };
+    uint8_t cells[EDGE * EDGE];
+    uint32_t samples[2], minified[2];
+    zt_diag diag;
+    zt_silmap_desc silmap = {.cells_x = 1 + take8(in) % EDGE,
+                             .cells_y = 1 + take8(in) % EDGE,
+                             .filter = (zt_silmap_filter)(take8(in) % (3 + seldom(in))),
+                             .cells = cells,
+                             .samples = samples,
+                             .minified = minified};
+    zt_image_desc image = {.format = formats[take8(in) % 4],
+                           .width = silmap.cells_x + (desc->wrap_u != ZT_WRAP_REPEAT) + seldom(in),
+                           .height = silmap.cells_y + (desc->wrap_v != ZT_WRAP_REPEAT),
+                           .levels = 1};
+    bool leaving = seldom(in);
+    for (uint32_t i = 0; i < silmap.cells_x * silmap.cells_y; i++) {
+        cells[i] = (uint8_t)take8(in);
+        if (desc->wrap_u != ZT_WRAP_REPEAT && i % silmap.cells_x == 0 && !leaving)
+            cells[i] &= (uint8_t)~ZT_SILMAP_WEST;
+        if (desc->wrap_v != ZT_WRAP_REPEAT && i < silmap.cells_x && !leaving)
+            cells[i] &= (uint8_t)~ZT_SILMAP_NORTH;
+    }
+    samples[0] = samples[1] = add_silmap_image(writer, in, &image);
+    image.width = silmap.cells_x;
+    image.height = silmap.cells_y;
+    image.levels = 0;
+    minified[0] = minified[1] = take8(in) % 2 ? add_silmap_image(writer, in, &image) : ZT_NONE;
+    accepted(zt_writer_add_silmap(writer, desc, &silmap, &diag, NULL), &diag);
+}
+
 static void add_textures(zt_writer *writer, input *in, uint32_t image_count) {
     zt_diag diag;
     char name[40], value[40];
@@ -444,7 +504,10 @@ static void add_textures(zt_writer *writer, input *in, uint32_t image_count) {
         zt_texture_desc desc = {.name = name, .layers = layers, .layer_count = 1 + take8(in) % 8 / 7};
         desc.wrap_u = (zt_wrap)(take8(in) % (4 + seldom(in)));
         desc.wrap_v = (zt_wrap)(take8(in) % 4);
-        if (take8(in) % 2)
+        uint32_t kind = take8(in) % 4;
+        if (kind == 3)
+            add_silmap(writer, in, &desc);
+        else if (kind % 2)
             accepted(zt_writer_add_texture(writer, &desc, &diag, NULL), &diag);
         else
             add_zipmap(writer, in, &desc, image_count);

@@ -291,13 +291,14 @@ static void recode_tile(mutation *m) {
         replace_tile(m, &t, 1, bytes, size);
 }
 
-/* ---- planes of zipmaps ---- */
+/* ---- planes of payloads ---- */
 
 static bool pick_plane(mutation *m, fuzz_chunk **chunk, size_t *at, size_t *stored) {
-    *chunk = fuzz_find(&m->file, "ZPMP");
+    fuzz_chunk *zipmap = fuzz_find(&m->file, "ZPMP"), *silmap = fuzz_find(&m->file, "SLMP");
+    *chunk = !zipmap || (silmap && below(m, 2)) ? silmap : zipmap;
     if (!*chunk)
         return false;
-    *at = 16;
+    *at = fuzz_planes_at(*chunk);
     for (uint32_t skip = below(m, 14); fuzz_next_plane(*chunk, at, stored); skip--) {
         if (skip == 0)
             return true;

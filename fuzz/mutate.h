@@ -8,11 +8,7 @@
 
 #include "seal.h"
 
-/* libFuzzer's own, or driver.c's. */
-size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
-
-/* What libFuzzer calls. */
-size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+/* What libFuzzer calls beside the entry points of support.h. */
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *data1, size_t size1, const uint8_t *data2, size_t size2, uint8_t *out,
                                  size_t max_size, unsigned seed);
 

@@ -154,6 +154,12 @@ static void seal_units(fuzz_file *file, unsigned skip) {
 
 /* ---- planes ---- */
 
+size_t fuzz_planes_at(const fuzz_chunk *chunk) {
+    if (memcmp(chunk->entry, "ZPMP", 4) == 0)
+        return 16;
+    return memcmp(chunk->entry, "SLMP", 4) == 0 ? 24 : 0;
+}
+
 bool fuzz_next_plane(const fuzz_chunk *chunk, size_t *at, size_t *stored_size) {
     if (*at > chunk->size || chunk->size - *at < PLANE_HEADER_SIZE)
         return false;
@@ -200,8 +206,8 @@ size_t fuzz_decode_plane(const uint8_t *p, size_t stored_size, uint8_t *dst) {
 }
 
 static void seal_planes(const fuzz_chunk *chunk) {
-    size_t stored, at = 16;
-    while (fuzz_next_plane(chunk, &at, &stored)) {
+    size_t stored, at = fuzz_planes_at(chunk);
+    while (at > 0 && fuzz_next_plane(chunk, &at, &stored)) {
         size_t size = fuzz_decode_plane(chunk->body + at, stored, scratch[0]);
         if (size > 0)
             fuzz_store(chunk->body + at + 24, XXH3_64bits(scratch[0], size), 8);
@@ -274,7 +280,7 @@ size_t fuzz_seal(fuzz_file *file, unsigned skip, uint8_t *out, size_t max_size) 
     size_t at = align16(PREAMBLE_SIZE + (size_t)file->count * ENTRY_SIZE);
     seal_units(file, skip);
     for (uint32_t i = 0; i < file->count; i++) {
-        if (!(skip & SEAL_PLANES) && memcmp(file->chunks[i].entry, "ZPMP", 4) == 0)
+        if (!(skip & SEAL_PLANES))
             seal_planes(&file->chunks[i]);
         seal_chunk(&file->chunks[i], at, skip);
         at = align16(at + HEAD_SIZE + file->chunks[i].size);

@@ -68,20 +68,6 @@ typedef struct fuzz_file {
     fuzz_edit edits[FUZZ_EDITS];
 } fuzz_file;
 
-static inline uint32_t fuzz_load32(const uint8_t *p) {
-    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
-}
-
-static inline uint64_t fuzz_load64(const uint8_t *p) {
-    return (uint64_t)fuzz_load32(p) | (uint64_t)fuzz_load32(p + 4) << 32;
-}
-
-/* Little-endian, 1 to 8 bytes. */
-static inline void fuzz_store(uint8_t *p, uint64_t value, size_t size) {
-    for (size_t i = 0; i < size; i++)
-        p[i] = (uint8_t)(value >> 8 * i);
-}
-
 /* False when there are no entries to be found. Bodies get room for capacity bytes. */
 bool fuzz_parse(fuzz_file *file, const uint8_t *data, size_t size, size_t capacity);
 void fuzz_release(fuzz_file *file);
@@ -108,7 +94,10 @@ typedef struct fuzz_unit {
 uint32_t fuzz_unit_count(fuzz_file *file);
 bool fuzz_unit_of(fuzz_file *file, uint32_t index, fuzz_unit *out);
 
-/* Planes of a ZPMP chunk: header at *at; false behind the last. */
+/* Where the planes of a payload chunk begin, behind its header; 0: it has none. */
+size_t fuzz_planes_at(const fuzz_chunk *chunk);
+
+/* Planes of a payload chunk: header at *at; false behind the last. */
 bool fuzz_next_plane(const fuzz_chunk *chunk, size_t *at, size_t *stored_size);
 
 /* Decoded bytes of the plane whose header is at p, stored_size bytes behind it; 0: it cannot be decoded. */

@@ -15,8 +15,13 @@
 #include <zt/zt.h>
 #include <zt/zt_check.h>
 
-/* The entry points that libFuzzer and driver.c call. */
+/* The entry points that libFuzzer and driver.c call; of the last one a target may have none. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed);
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+
+/* libFuzzer's own, or driver.c's. */
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
 
 /* Stays in every build type: a fuzz target's requirements are what it is for. */
 #define REQUIRE(condition)                                                            \
@@ -49,6 +54,20 @@ void *fuzz_malloc(size_t size);
 
 /* What a diagnostic must hold behind a call that returned result, for a file of this size. */
 void fuzz_require_diag(const zt_diag *diag, zt_result result, uint64_t file_size);
+
+static inline uint32_t fuzz_load32(const uint8_t *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+static inline uint64_t fuzz_load64(const uint8_t *p) {
+    return (uint64_t)fuzz_load32(p) | (uint64_t)fuzz_load32(p + 4) << 32;
+}
+
+/* Little-endian, 1 to 8 bytes. */
+static inline void fuzz_store(uint8_t *p, uint64_t value, size_t size) {
+    for (size_t i = 0; i < size; i++)
+        p[i] = (uint8_t)(value >> 8 * i);
+}
 
 /* Random numbers (xorshift64*, Vigna 2016) from a hash of the input: what a target does depends on the input alone. */
 typedef struct fuzz_random {

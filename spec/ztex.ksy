@@ -6,7 +6,7 @@ meta:
   endian: le
   ks-version: 0.9
 doc: |
-  The layout of spec/ztex.md and spec/zipmap.md. It checks magics and fixed fields only; the rules are in the documents.
+  The layout of spec/ztex.md, spec/zipmap.md and spec/silmap.md. It checks magics and fixed fields only; the rules are in the documents.
   Chunks with codec 1 are left as bytes, since the grammar does not decode Zstandard.
 seq:
   - id: preamble
@@ -118,6 +118,7 @@ types:
             '"TEXS"': texs
             '"IMAG"': imag
             '"ZPMP"': zpmp
+            '"SLMP"': slmp
             '"META"': meta_pairs
   texs:
     seq:
@@ -310,6 +311,36 @@ types:
         type: plane
         repeat: expr
         repeat-expr: 12 + layer_count
+  slmp:
+    doc: |
+      The planes are cells, samples, minified.
+    seq:
+      - id: cells_x
+        type: u4
+        valid:
+          min: 1
+          max: 1048576
+      - id: cells_y
+        type: u4
+        valid:
+          min: 1
+          max: 1048576
+      - id: cell_layers
+        type: u4
+        valid:
+          min: 1
+          max: 65536
+      - id: layer_count
+        type: u4
+      - id: filter
+        type: u1
+        enum: silmap_filter
+      - id: reserved
+        contents: [0, 0, 0, 0, 0, 0, 0]
+      - id: planes
+        type: plane
+        repeat: expr
+        repeat-expr: 3
   plane:
     seq:
       - id: element_size
@@ -345,6 +376,7 @@ enums:
     1: zstd
     2: pred
     3: draco_seq
+    4: fields
   kind:
     0: image
     1: zipmap
@@ -363,6 +395,10 @@ enums:
     0: array
     1: cube
     2: frames
+  silmap_filter:
+    0: continuous
+    1: sen2004
+    2: nearest
   predictor:
     0: none
     1: delta

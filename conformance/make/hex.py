@@ -7,11 +7,13 @@ lines are allowed.
 """
 
 import os
+import struct
 import sys
 
 EXAMPLES = {"first.hex": "first.ztex", "zipmap.hex": "zip_patch_smallest.ztex"}
 PARTS = {"pred.hex": "pred_example.ztex"}             # part of a file: the last tile
-QUOTED = ("first.hex", "pred.hex")                    # dumps that ztex.md shows
+CHUNKS = {"silmap.hex": "silmap_example.ztex"}        # the stored bytes of a chunk
+QUOTED = {"first.hex": "ztex.md", "pred.hex": "ztex.md", "silmap.hex": "silmap.md"}
 
 
 def parse(text: str) -> bytes:
@@ -25,12 +27,21 @@ def between(text: str, begin: str, end: str) -> tuple:
     return text[:a], text[a:b], text[b:]
 
 
+def chunks_of(data: bytes) -> list:
+    """The stored bytes of each chunk."""
+    out = []
+    for i in range(struct.unpack_from("<I", data, 28)[0]):
+        offset, size = struct.unpack_from("<QQ", data, 64 + 48 * i + 8)
+        out.append(data[offset + 64:offset + 64 + size])
+    return out
+
+
 def check(spec: str, valid: dict, write: bool) -> list:
-    """Problems with the dumps of spec/examples: bytes other than the corpus, or another dump in
-    ztex.md. `write` brings the dumps into ztex.md."""
+    """Problems with the dumps of spec/examples: bytes other than the corpus, or another dump in the
+    document. `write` brings the dumps into the documents."""
     problems = []
     texts = {}
-    for name, file in (EXAMPLES | PARTS).items():
+    for name, file in (EXAMPLES | PARTS | CHUNKS).items():
         path = os.path.join(spec, "examples", name)
         if not os.path.exists(path):
             problems.append("spec/examples/%s: missing" % name)
@@ -42,8 +53,10 @@ def check(spec: str, valid: dict, write: bool) -> list:
             problems.append("spec/examples/%s: not the bytes of valid/%s" % (name, file))
         if name in PARTS and not valid[file].rstrip(b"\0").endswith(data.rstrip(b"\0")):
             problems.append("spec/examples/%s: not the last tile of valid/%s" % (name, file))
+        if name in CHUNKS and data not in chunks_of(valid[file]):
+            problems.append("spec/examples/%s: not a chunk of valid/%s" % (name, file))
     for name in (n for n in QUOTED if n in texts):
-        path = os.path.join(spec, "ztex.md")
+        path = os.path.join(spec, QUOTED[name])
         with open(path, encoding="utf-8") as f:
             old = f.read()
         before, inside, behind = between(old, "<!-- %s begins -->" % name,
@@ -53,7 +66,7 @@ def check(spec: str, valid: dict, write: bool) -> list:
             with open(path, "w", encoding="utf-8") as f:
                 f.write(before + wanted + behind)
         elif inside != wanted:
-            problems.append("spec/ztex.md: a dump is not examples/%s" % name)
+            problems.append("spec/%s: a dump is not examples/%s" % (QUOTED[name], name))
     return problems
 
 

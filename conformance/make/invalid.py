@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import xxhash
 
-from predmake import Pred, Tile, frequency_bits, symbols, table_bits
-from valid import (GRID, GRID_IMAGES, PATTERN, PLACED, RUN, decal, dot, from_residuals, mask,
+from predmake import Framed, Pred, Tile, frequency_bits, symbols, table_bits
+from valid import (GRID, GRID_IMAGES, PATTERN, PLACED, RUN, decal, dot, framed, from_residuals, mask,
                    picture, place, pred, root, run_file, zipmap)
 from ztexmake import (FORMAT_BY_NAME, IDENTITY, NONE, R8, RG8, RGB8, RGBA8, RGBA8_SRGB, Chunk, File,
                       Image, Overrides,
@@ -233,8 +233,8 @@ bad("R3011", "unknown_twice", "A type that the reader does not know is there twi
 bad("R3012", "critical", "A critical chunk of an unknown type.", {"entry.XFOO.flags": 1}, XE)
 bad("R3012", "critical_and_safe", "A critical chunk of an unknown type with flags 3.",
     {"entry.XFOO.flags": 3}, XE)
-bad("R3012", "silmap", "A critical chunk of a type that is kept for later.",
-    {"entry.XFOO.type": b"SLMP", "entry.XFOO.flags": 1}, XE)
+bad("R3012", "critical_not_private", "A critical chunk of an unknown type that is not private.",
+    {"entry.XFOO.type": b"QQQQ", "entry.XFOO.flags": 1}, XE)
 
 # ---- 4000: heads, hashes, padding ----------------------------------------------------------------
 
@@ -608,6 +608,15 @@ def pred_anyway(image: Image, n: int, size: int, **how) -> File:
     return File([image])
 
 
+def framed_anyway(image: Image, n: int) -> Image:
+    """An image whose tiles, or tail, have codec 2 with a frame where that may not be."""
+    def codec(level, tile, data):
+        w, h = image.tile_size(level, tile)
+        return 2, Framed(n, pack=frame).tile(w, len(data) // (w * n), data)
+    image.codec = codec
+    return image
+
+
 MIXED = pred(R8, 100, 50, levels=7, texels=lambda level, size: bytes([level]) * size)
 MIXED.codec = lambda level, tile, data: (2, Tile(Pred(1), *((100, 50) if level == 0
     else (len(data), 1)), data))
@@ -654,16 +663,17 @@ pred_bad("R5302", "lane_code_3", "Lane code 3.", {"flags": lambda f: f | 12})
 pred_bad("R5302", "lane_code_3_no_plane", "Lane code 3 where no plane is coded.",
          {"flags": lambda f: f | 12}, PRED_FLAT, also="R5304")
 for bit in range(4, 8):
-    pred_bad("R5302", "flag_bit_%d" % bit, "Reserved bit %d of `flags` is set." % bit,
-             {"flags": flip(bit)})
+    if bit >= 6:
+        pred_bad("R5302", "flag_bit_%d" % bit, "Reserved bit %d of `flags` is set." % bit,
+                 {"flags": flip(bit)})
     pred_bad("R5302", "coded_bit_%d" % bit, "Bit %d of `coded`, for four planes." % bit,
              {"coded": flip(bit)})
 pred_bad("R5302", "coded_bit_4_16_bit", "Bit 4 of `coded`, for two channels of 16 bits.",
          {"coded": flip(4)}, PRED_16)
 pred_bad("R5302", "coded_bit_1_of_1", "Bit 1 of `coded`, for one channel of 8 bits.",
          {"coded": flip(1)}, PRED_ONES)
-pred_bad("R5302", "flag_bit_4_no_plane", "A reserved bit of `flags` where no plane is coded.",
-         {"flags": flip(4)}, PRED_FLAT)
+pred_bad("R5302", "flag_bit_7_no_plane", "A reserved bit of `flags` where no plane is coded.",
+         {"flags": flip(7)}, PRED_FLAT)
 for number in (R8, RG8, 70, 83):
     pred_bad("R5303", "colour_%d" % number,
              "The colour bit with %s, format %d." % ("one channel" if number in (R8, 70)
@@ -671,6 +681,13 @@ for number in (R8, RG8, 70, 83):
              {"flags": flip(0)}, File([pred(number, 65, 16)]))
 pred_bad("R5303", "colour_no_plane", "The colour bit with one channel where no plane is coded.",
          {"flags": flip(0)}, File([pred(R8, 65, 3, lambda level, size: b"\7" * size)]))
+for number in (R8, RG8, 77, 91):
+    what = {R8: "one channel", RG8: "two channels"}.get(number, "16 bits")
+    pred_bad("R5303", "normal_%d" % number, "The normal bit with %s, format %d." % (what, number),
+             {"flags": flip(5)}, File([pred(number, 65, 16)]))
+pred_bad("R5303", "normal_and_colour", "The normal bit and the colour bit.", {"flags": flip(5)})
+pred_bad("R5303", "normal_and_colour_no_plane", "Both bits where no plane is coded.",
+         {"flags": lambda f: f | 33}, PRED_FLAT)
 for value in (0, 9, 255):
     pred_bad("R5304", "table_count_%d" % value, "table_count is %d." % value,
              {"table_count": value}, also="R5305" if value == 0 else "")
@@ -821,6 +838,58 @@ pred_bad("R5202", "empty", "A pred tile has no bytes.", {"stored": b""},
 for k in range(3):
     pred_bad("R5201", "reserved_%d" % k, "A reserved byte of the record of a pred tile.",
              {"tile.0.0.0.reserved": 1 << 8 * k})
+
+# ---- 5313: tiles of codec 2 with a frame ----
+FRAMED = File([framed(RGBA8, 90, 20, predictor=1)])
+FRAMED_SIZE = 90 * 20 * 4
+SAMPLES = bytes(FRAMED_SIZE)                # of texels that are 0
+BLACK = File([framed(RGBA8, 90, 20, texels=flat(0))])
+for bit in (1, 2, 3):
+    pred_bad("R5313", "frame_flag_bit_%d" % bit, "A frame, and bit %d of `flags` is set." % bit,
+             {"flags": flip(bit)}, FRAMED)
+pred_bad("R5313", "no_form", "The tile ends behind `flags`.", {"stored": lambda b: b[:1]}, FRAMED)
+pred_bad("R5313", "predictor_3", "Predictor 3.", {"form": 3}, FRAMED)
+pred_bad("R5313", "predictor_3_by_texel", "Predictor 3, texel by texel.", {"form": 7}, FRAMED)
+for bit in range(3, 8):
+    pred_bad("R5313", "form_bit_%d" % bit, "Reserved bit %d of `form` is set." % bit,
+             {"form": flip(bit)}, FRAMED)
+for bit in (6, 7):
+    pred_bad("R5302", "frame_flag_bit_%d" % bit, "A frame, and bit %d of `flags` is set." % bit,
+             {"flags": flip(bit)}, FRAMED)
+pred_bad("R5303", "frame_colour_r8", "A frame and the colour bit, one channel.", {"flags": flip(0)},
+         File([framed(R8, 90, 20)]))
+pred_bad("R5303", "frame_normal_r8", "A frame and the normal bit, one channel.", {"flags": flip(5)},
+         File([framed(R8, 90, 20)]))
+pred_bad("R5303", "frame_normal_16_bit", "A frame and the normal bit, 16 bits.",
+         {"flags": flip(5)}, File([framed(91, 90, 20)]))
+pred_bad("R5303", "frame_normal_and_colour", "A frame, the normal bit and the colour bit.",
+         {"flags": lambda f: f | 33}, FRAMED)
+bad("R5301", "frame_tail", "A mip tail has codec 2 with a frame.",
+    base=File([framed_anyway(Image(RGBA8, 64, 16, texels=flat(0)), 4)]))
+bad("R5301", "frame_format_100", "A tile of R32 has codec 2 with a frame.",
+    base=File([framed_anyway(Image(100, 65, 16, texels=flat(0)), 4)]))
+for rule, name, what, bytes_of_frame, also in (
+        ("R5001", "magic", "The frame's magic number is wrong.",
+         frame_header(FRAMED_SIZE, magic=0xFD2FB529) + rle_block(0, FRAMED_SIZE, True), ""),
+        ("R5001", "none", "No frame follows `form`.", b"", ""),
+        ("R5002", "plus_1", "The content size of the frame is one too large.",
+         frame_header(FRAMED_SIZE + 1) + rle_block(0, FRAMED_SIZE, True), "R5004"),
+        ("R5002", "one_plane", "The frame holds one plane only, rightly.",
+         frame(bytes(FRAMED_SIZE // 4)), "R5004"),
+        ("R5003", "trailing", "A byte follows the frame.", frame(SAMPLES) + b"\0", ""),
+        ("R5003", "no_last", "No block of the frame is marked as last.",
+         frame_header(FRAMED_SIZE) + rle_block(0, FRAMED_SIZE), "R5004"),
+        ("R5004", "short", "The blocks hold a byte less than the frame says.",
+         frame_header(FRAMED_SIZE) + rle_block(0, FRAMED_SIZE - 1, True), ""),
+        ("R5004", "long", "The blocks hold a byte more than the frame says.",
+         frame_header(FRAMED_SIZE) + rle_block(0, FRAMED_SIZE + 1, True), ""),
+        ("R5203", "frame", "A tile with a frame whose texels are others than the hash says.",
+         frame(b"\1" + SAMPLES[1:]), "")):
+    pred_bad(rule, "frame_" + name, what, {"frame": bytes_of_frame}, BLACK, also)
+pred_bad("R5203", "frame_other_predictor", "The predictor of a frame was changed.", {"form": 2},
+         FRAMED)
+pred_bad("R5203", "normal_bit", "The normal bit was set afterwards.", {"flags": flip(5)},
+         File([pred(RGBA8, 65, 16)]))
 
 # ---- 6000: images --------------------------------------------------------------------------------
 
@@ -1004,7 +1073,7 @@ bad("R6101", "layer_sum_wraps", "layer_counts that sum to layer_total modulo 2^3
     File([Image(R8, 1, 1)], [Texture("a", [(0, 0)]), Texture("b", [(0, 0)])]), also="R6105")
 bad("R6101", "name_sum", "A name says that it is shorter.", {"texture.0.name_size": plus(-1)})
 bad("R6102", "none", "No texture; the chunk is its header.", base=File([Image(R8, 1, 1)], []))
-for value in (2, 3, 4, 224, 255):
+for value in (4, 5, 224, 255):
     bad("R6103", "kind_%d" % value, "Texture kind %d." % value,
         {"texture.0.kind": value, "layer.0.0.image": NONE})
 for name in ("wrap_u", "wrap_v", "wrap_w"):

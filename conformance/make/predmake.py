@@ -6,12 +6,17 @@ field can be replaced on the way, as in ztexmake.py, by an override pred.I.U.N.F
 
     flags  table_count  coded  first  maps  zero_bits  table.T  padding  bits  states  words  stored
 
+`Framed` and `FramedTile` are the same for tiles with a frame, with the fields
+
+    flags  form  frame  stored
+
 zero_bits, table.T and padding are strings of 0 and 1, the first bit first; first, maps, bits,
 states, words and stored are bytes. An override changes what is written, not how the rest is
 coded."""
 
 from dataclasses import dataclass, field
-from typing import Optional
+from math import isqrt
+from typing import Callable, Optional
 
 LOW = 1 << 15                                         # where states start
 
@@ -81,12 +86,37 @@ def texels_of(residuals, w: int, h: int, n: int, size: int, first: list) -> byte
                     for c in range(n))
 
 
+def slope(r: int, g: int) -> int:
+    """What the normal bit adds to channel 2."""
+    s = 255 ** 2 - (2 * r - 255) ** 2 - (2 * g - 255) ** 2
+    return 256 + isqrt(s) >> 1 if s > 0 else 128
+
+
+def channel_values(how, w: int, h: int, data: bytes) -> list:
+    """values[channel][y][x] without what the colour and normal bits add."""
+    n, size = how.channels, how.size
+    mask = (1 << 8 * size) - 1
+    assert len(data) == w * h * n * size, (len(data), w, h, n, size)
+    v = [[[int.from_bytes(data[((y * w + x) * n + c) * size:][:size], "little") for x in range(w)]
+          for y in range(h)] for c in range(n)]
+    for y in range(h):
+        for x in range(w):
+            r, g = v[0][y][x], v[1][y][x] if n > 1 else 0
+            if how.colour:
+                v[0][y][x] = r - g & mask
+                v[2][y][x] = v[2][y][x] - g & mask
+            if how.normal:
+                v[2][y][x] = v[2][y][x] - slope(r, g) & mask
+    return v
+
+
 @dataclass
 class Pred:
     """A choice of coding. Tables, maps and planes come from the texels where they are not given."""
     channels: int
     size: int = 1                      # bytes of a channel
     colour: bool = False
+    normal: bool = False
     lane_code: int = 0
     table_count: int = 1
     zero_map: bool = False
@@ -112,14 +142,8 @@ class Tile:
         """Fills samples and magnitudes; returns `first`."""
         how, w, h = self.how, self.w, self.h
         n, size = how.channels, how.size
-        bits = 8 * size
-        mask = (1 << bits) - 1
-        assert len(self.data) == w * h * n * size, (len(self.data), w, h, n, size)
-        value = lambda x, y, c: int.from_bytes(self.data[((y * w + x) * n + c) * size:][:size],
-                                               "little")
-        plain = lambda x, y, c: (value(x, y, c) - (value(x, y, 1) if how.colour and c in (0, 2)
-                                                   else 0)) & mask
-        v = [[[plain(x, y, c) for x in range(w)] for y in range(h)] for c in range(n)]
+        mask = (1 << 8 * size) - 1
+        v = channel_values(how, w, h, self.data)
         first = how.first or [v[c][0][0] for c in range(n)]
         self.samples, self.sizes = [], []
         for c in coding_order(n):
@@ -183,9 +207,9 @@ class Tile:
             frequencies = [scaled(c) for c in counts]
         states, words = code(steps, frequencies, how.size, 16 << how.lane_code)
         # Fields.
-        flags = how.colour | how.zero_map << 1 | how.lane_code << 2
+        flags = how.colour | how.zero_map << 1 | how.lane_code << 2 | how.normal << 5
         if not planes:
-            flags, states = int(how.colour), []
+            flags, states = how.colour | how.normal << 5, []
         out = b"".join(get(name, value).to_bytes(1, "little") for name, value in (
             ("flags", flags), ("table_count", tables), ("coded", sum(1 << k for k in planes))))
         out += get("first", b"".join(c.to_bytes(how.size, "little") for c in first))
@@ -218,3 +242,54 @@ def code(steps: list, frequencies: list, size: int, lanes: int) -> tuple:
             x >>= 16
         states[lane] = (x // f) * 2048 + x % f + starts[table][symbol]
     return states, words[::-1]
+
+
+@dataclass
+class Framed:
+    """A choice of coding with a frame. `pack` makes the frame."""
+    channels: int
+    size: int = 1
+    colour: bool = False
+    normal: bool = False
+    predictor: int = 0
+    by_texel: bool = False
+    pack: Optional[Callable] = None
+
+    def tile(self, w: int, h: int, data: bytes) -> "FramedTile":
+        return FramedTile(self, w, h, data)
+
+
+@dataclass
+class FramedTile:
+    how: Framed
+    w: int
+    h: int
+    data: bytes
+
+    def samples(self) -> bytes:
+        how, w, h = self.how, self.w, self.h
+        n, size = how.channels, how.size
+        mask = (1 << 8 * size) - 1
+        v = channel_values(how, w, h, self.data)
+
+        def residual(c, x, y):
+            left, above = v[c][y][x - 1] if x else None, v[c][y - 1][x] if y else None
+            guesses = [[], [left, above], [above, left]][how.predictor]
+            p = next((g for g in guesses if g is not None), 0)
+            r = v[c][y][x] - p & mask
+            return zigzag(r, 16) if size == 2 else r
+        places = [(x, y) for y in range(h) for x in range(w)]
+        if how.by_texel:
+            return b"".join(residual(c, x, y).to_bytes(size, "little") for x, y in places
+                            for c in range(n))
+        return b"".join(bytes(residual(c, x, y) >> 8 * k & 255 for x, y in places)
+                        for c in coding_order(n) for k in reversed(range(size)))
+
+    def build(self, over=None, path: str = "") -> bytes:
+        how = self.how
+        get = (lambda name, value: over.get(path + "." + name, value)) if over else (
+            lambda name, value: value)
+        out = get("flags", how.colour | 16 | how.normal << 5).to_bytes(1, "little")
+        out += get("form", how.predictor | how.by_texel << 2).to_bytes(1, "little")
+        out += get("frame", how.pack(self.samples()))
+        return get("stored", out)

@@ -5,7 +5,7 @@ section."""
 
 import struct
 
-from predmake import Pred, Tile, symbols, texels_of
+from predmake import Framed, Pred, Tile, slope, symbols, texels_of
 from ztexmake import (FORMATS, IDENTITY, NONE, R8, RG8, RGB8, RGBA8, RGBA8_SRGB, FORMAT_BY_NAME, Chunk,
                       File, Image, Patch,
                       Plane, Texture, Zipmap, flat, frame, frame_header, noise, raw_block,
@@ -558,6 +558,104 @@ def pred_one_row():
 def pred_65x3():
     """65 x 3 texels in tiles of 64 x 3 and 1 x 3."""
     return File([pred(97, 65, 3, tile_log2=6)])
+
+
+# Normal maps, and vectors that no unit vector is.
+def normal_map(w: int, h: int, n: int):
+    def texels(level, total):
+        out = bytearray()
+        for y in range(h):
+            for x in range(w):
+                out += bytes((128 + 9 * (x % 11) - 40, 128 - 7 * (y % 9) + x // 16,
+                              (250 - (x + y) % 7 if x < w - 5 else 50 * x) & 255, 255 - y)[:n])
+        return bytes(out)
+    return texels
+
+
+def every_slope(level, total):
+    """Channels 0 and 1 take each pair of values once; channel 2 is 128 more than its slope."""
+    return bytes(v for y in range(256) for x in range(256)
+                 for v in (x, y, slope(x, y) + 128 & 255))
+
+
+add("pred_normal_rgb8", "Codec pred with the normal bit, R8G8B8_UNORM.",
+    File([pred(RGB8, 65, 16, texels=normal_map(65, 16, 3), normal=True, table_count=2)]))
+add("pred_normal_rgba8", "Codec pred with the normal bit and a zero map, R8G8B8A8_UNORM.",
+    File([pred(RGBA8, 130, 18, texels=normal_map(130, 18, 4), normal=True, zero_map=True)]))
+add("pred_normal_srgb", "The normal bit is about bytes: the format is R8G8B8A8_SRGB.",
+    File([pred(RGBA8_SRGB, 65, 16, normal=True)]))
+add("pred_normal_every_pair", "All pairs of the channels 0 and 1 with the normal bit.",
+    File([pred(RGB8, 256, 256, texels=every_slope, normal=True, table_count=1, zero_map=True)]))
+add("pred_normal_no_plane", "No plane is coded, and the normal bit is set.",
+    File([pred(RGB8, 65, 3, texels=lambda level, total: b"\x70\x90\xF8" * 195, normal=True)]))
+
+
+# ---- tiles of codec 2 with a frame ----
+
+def framed(fmt: int, w: int, h: int, texels=None, tile_log2: int = 8, depth: int = 1,
+           layers: int = 1, pack=frame, choose=None, **how) -> Image:
+    """An image whose tiles have codec 2 with a frame where that is smaller, else codec 1 or 0."""
+    known = FORMATS[fmt]
+    coding = Framed(known.channels, known.block_bytes // known.channels, pack=pack, **how)
+    image = Image(fmt, w, h, texels=texels or stripes(fmt, w, h), tile_log2=tile_log2, depth=depth,
+                  layers=layers)
+
+    def codec(level, tile, data):
+        coded = coding.tile(*image.tile_size(level, tile), data)
+        if (choose is None or choose(tile)) and len(coded.build()) < len(data):
+            return 2, coded
+        return stored_zstd(level, tile, data)
+    image.codec = codec
+    return image
+
+
+def stripes(fmt: int, w: int, h: int):
+    """Runs in every form: blocks of 40 columns and 6 rows, each a step from the one before."""
+    known = FORMATS[fmt]
+    n, size = known.channels, known.block_bytes // known.channels
+
+    def texels(level, total):
+        value = lambda x, y, c: (x // 40 * 531 + y // 6 * 77 + c * 9) * (1 if size == 1 else 97)
+        one = b"".join((value(x, y, c) & (1 << 8 * size) - 1).to_bytes(size, "little")
+                       for y in range(h) for x in range(w) for c in range(n))
+        return one * (total // len(one))
+    return texels
+
+
+FORM_NAMES = ("none", "left", "above")
+for number in (9, 16, 23, 37, 70, 77, 84, 97):
+    fmt = FORMATS[number]
+    for predictor, name in enumerate(FORM_NAMES):
+        add("pred_frame_%s_%s" % (fmt.name.lower(), name),
+            "Codec pred with a frame, plane by plane, predictor %s, %s." % (name, fmt.name),
+            File([framed(number, 90, 20, predictor=predictor)]))
+for number in (9, 23, 37, 97):
+    fmt = FORMATS[number]
+    blocks_of_one = lambda level, total: bytes(total // 2) + b"\7" * (total - total // 2)
+    for predictor, name in enumerate(FORM_NAMES):
+        add("pred_frame_%s_%s_by_texel" % (fmt.name.lower(), name),
+            "Codec pred with a frame, texel by texel, predictor %s, %s." % (name, fmt.name),
+            File([framed(number, 90, 20, texels=blocks_of_one, predictor=predictor,
+                         by_texel=True)]))
+for number, by_texel in ((23, False), (37, True), (91, False), (97, True)):
+    add("pred_frame_colour_%s%s" % (FORMATS[number].name.lower(), "_by_texel" if by_texel else ""),
+        "A frame and the colour bit, %s." % FORMATS[number].name,
+        File([framed(number, 90, 20, predictor=2, colour=True, by_texel=by_texel)]))
+for predictor, name in enumerate(FORM_NAMES):
+    add("pred_frame_normal_" + name, "A frame and the normal bit, predictor %s." % name,
+        File([framed(RGBA8, 90, 20, predictor=predictor, normal=True)]))
+add("pred_frame_1x300", "One column: its texels follow from the ones above with predictor 1, too.",
+    File([framed(RGB8, 1, 300, texels=lambda level, total: b"\1\2\3" * 300, predictor=1)]))
+add("pred_frame_tiles", "Tiles of 32 x 32, narrower ones at the right and at the bottom, some of "
+    "them raw.", File([framed(RGBA8, 90, 70, tile_log2=5, predictor=2,
+                               choose=lambda tile: tile % 3 != 1)]))
+add("pred_frame_volume", "Slices of a volume with frames.",
+    File([framed(R8, 90, 20, depth=3, predictor=1)]))
+add("pred_frame_array", "Layers with frames.", File([framed(77, 90, 20, layers=2, predictor=2)]))
+GRADIENT_TEXELS, GRADIENT_FRAME = map(bytes.fromhex, FRAMES["tile"])
+add("pred_frame_encoder", "A frame of compressed blocks: residuals without a prediction, texel by "
+    "texel.", File([framed(RGBA8, 128, 8, texels=lambda level, total: GRADIENT_TEXELS,
+                           by_texel=True, pack=lambda samples: GRADIENT_FRAME)]))
 
 
 @case

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes .ztex files field by field, with the names of spec/ztex.md and spec/zipmap.md.
+"""Writes .ztex files field by field, with the names of spec/ztex.md, spec/zipmap.md and
+spec/silmap.md.
 
 A `File` is a description: images, textures, metadata, other chunks. `File.build()` turns it into
 bytes, computing every size, offset and hash. Any field can be replaced on the way by an *override*,
@@ -10,6 +11,7 @@ a path and a value:
     imag.FIELD                  image.I.FIELD            unit.I.U.FIELD           tile.I.U.N.FIELD
     index.I.U                   pred.I.U.N.FIELD     (predmake.py)
     zpmp.Z.FIELD                plane.Z.NAME.FIELD       meta.FIELD               pair.P.FIELD
+    slmp.S.FIELD                slmp.S.PLANE.FIELD   (silmake.py)
     stored.TYPE  decoded.TYPE  padding.TYPE  gap.TYPE (behind the padding)  unit_order  chunks  file
 
 The value is a number, bytes, or a function of the value that would have stood there. Everything
@@ -31,7 +33,7 @@ SPEC = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 MAGIC = bytes.fromhex("AB 5A 54 45 58 BB 0D 0A 1A 0A")
 HEAD_MAGIC = bytes.fromhex("AB 5A 54 63 68 6B BB 0A")
 NONE = 0xFFFFFFFF
-KNOWN_FLAGS = {"TEXS": 1, "IMAG": 1, "ZPMP": 1, "TEXL": 1, "META": 2}
+KNOWN_FLAGS = {"TEXS": 1, "IMAG": 1, "ZPMP": 1, "SLMP": 1, "TEXL": 1, "META": 2}
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 MATRIX_NAMES = ["m%d%d" % (r, c) for r in range(3) for c in range(3)]
 
@@ -454,9 +456,13 @@ class Zipmap:
 @dataclass
 class Texture:
     name: object = ""                  # str or bytes
-    layers: list = None                # (semantic, image); for a zipmap (semantic, NONE)
+    layers: list = None                # (semantic, image); for other kinds (semantic, NONE)
     wrap: tuple = (0, 0, 0)
     zipmap: Optional[Zipmap] = None
+    silmap: object = None              # silmake.Silmap
+
+    def kind(self) -> int:
+        return 1 if self.zipmap else 2 if self.silmap else 0
 
     def name_bytes(self) -> bytes:
         return self.name.encode() if isinstance(self.name, str) else self.name
@@ -491,6 +497,9 @@ class File:
     def zipmaps(self) -> list:
         return [t.zipmap for t in self.textures if t.zipmap]
 
+    def silmaps(self) -> list:
+        return [t.silmap for t in self.textures if t.silmap]
+
     def texs(self, over: Overrides) -> bytes:
         names = [over.get("name.%d" % i, t.name_bytes()) for i, t in enumerate(self.textures)]
         out = over.pack("texs", [("texture_count", 4, len(self.textures)),
@@ -498,7 +507,7 @@ class File:
                                  ("name_bytes", 4, sum(map(len, names))), ("reserved", 4, 0)])
         for i, t in enumerate(self.textures):
             out += over.pack("texture.%d" % i, [
-                ("kind", 1, 1 if t.zipmap else 0), ("wrap_u", 1, t.wrap[0]),
+                ("kind", 1, t.kind()), ("wrap_u", 1, t.wrap[0]),
                 ("wrap_v", 1, t.wrap[1]),
                 ("wrap_w", 1, t.wrap[2]), ("layer_count", 4, len(t.layers)),
                 ("name_size", 4, len(names[i])),
@@ -545,6 +554,7 @@ class File:
         imag, texl = self.imag_texl(over)
         out = [Chunk("TEXS", self.texs(over)), Chunk("IMAG", imag)]
         out += [Chunk("ZPMP", z.build(over, n)) for n, z in enumerate(self.zipmaps())]
+        out += [Chunk("SLMP", s.build(over, n)) for n, s in enumerate(self.silmaps())]
         if self.meta is not None:
             out.append(Chunk("META", self.meta_bytes(over)))
         out += [Chunk(**vars(c)) for c in sorted(self.extra, key=lambda c: c.type)]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the reference reader over the corpus: verdict, rule and decoded bytes of every file. Exit
+"""Runs the reference reader over the corpus: verdict, rule, decoded bytes and lookups. Exit
 code 1 and a list if any differs. With file names as arguments: prints the verdict for each."""
 
 import hashlib
@@ -10,6 +10,7 @@ import sys
 
 sys.dont_write_bytecode = True
 
+import zsample
 import ztexref
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -38,9 +39,10 @@ def check_valid(entry: dict) -> list:
                d in enumerate(m.decoded)]
     if decoded != entry["decoded"]:
         problems.append("decoded levels")
-    planes = [sha256(t.elements) for t in z.textures if t.kind == 1]
-    if planes != [p["sha256"] for p in entry.get("planes", [])]:
-        problems.append("decoded planes")
+    for kind, name in ((ztexref.ZIPMAP, "zipmap"), (ztexref.SILMAP, "silmap")):
+        planes = [sha256(t.elements) for t in z.textures if t.kind == kind]
+        if planes != [p["sha256"] for p in entry.get("planes", []) if name in p]:
+            problems.append("decoded planes")
     return problems
 
 
@@ -59,6 +61,23 @@ def check_invalid(entry: dict) -> list:
     elif z.warnings != [entry["rule"]]:
         problems.append("warnings: %s" % z.warnings)
     return problems
+
+
+def check_lookups() -> tuple:
+    """Count and problems of valid/lookups.json."""
+    entries, problems, opened = json.loads(load("valid", "lookups.json")), [], {}
+    for e in entries:
+        if e["file"] not in opened:
+            opened = {e["file"]: ztexref.read(load("valid", e["file"]))}
+        z = opened[e["file"]]
+        u, v, *d = e["at"]
+        q = zsample.Query(u, v, tuple(d[:2]), tuple(d[2:]), e["frame"], e["filter"])
+        found = zsample.look_up(z, z.textures[e["texture"]], q)
+        if len(found) != len(e["layers"]) or any(
+                abs(a - b) > 1e-6 for have, want in zip(found, e["layers"])
+                for a, b in zip(have, want)):
+            problems.append("valid/%s: lookup at %s: %s" % (e["file"], e["at"], found))
+    return len(entries), problems
 
 
 def main() -> int:
@@ -82,7 +101,11 @@ def main() -> int:
             failures += bool(problems)
             for p in problems:
                 print("%s/%s: %s" % (folder, entry["file"], p))
-    print("reference reader: %d files, %d failures" % (count, failures))
+    lookups, problems = check_lookups()
+    failures += len(problems)
+    for p in problems:
+        print(p)
+    print("reference reader: %d files, %d lookups, %d failures" % (count, lookups, failures))
     return 1 if failures else 0
 
 

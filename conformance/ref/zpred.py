@@ -2,8 +2,11 @@
 """Codec 2, "pred", of spec/ztex.md section 6.4: the stored bytes of one tile to its texels, step by
 step in the order of the text.
 
-`decode(stored, w, h, n, size)` returns the texels or raises `Broken`, which names the rule. The
-work is bounded by the size of the tile whatever the bytes are."""
+`decode(stored, w, h, n, size, unzstd)` returns the texels or raises `Broken`, which names the rule;
+`unzstd(frame, content size)` decodes a frame (6.1). The work is bounded by the size of the tile
+whatever the bytes are."""
+
+import math
 
 
 class Broken(Exception):
@@ -112,13 +115,17 @@ class Tile:
         return min(u, 15)
 
 
-def restore(tile: Tile, first: list, colour: bool) -> bytes:
-    """Texels from residuals."""
+def coding_order(n: int) -> tuple:
+    """The channels in the order of the planes."""
+    return (1, 0, 2, 3)[:n] if n >= 3 else (0, 1)[:n]
+
+
+def restore(tile: Tile, first: list) -> list:
+    """Channels from residuals: channels[c][y][x]."""
     w, h, n, size = tile.w, tile.h, tile.n, tile.size
     mask = (1 << 8 * size) - 1
-    order = (1, 0, 2, 3)[:n] if n >= 3 else (0, 1)[:n]
     channels = [None] * n
-    for place, channel in enumerate(order):
+    for place, channel in enumerate(coding_order(n)):
         rows = [[0] * w for _ in range(h)]
         for y in range(h):
             for x in range(w):
@@ -128,31 +135,96 @@ def restore(tile: Tile, first: list, colour: bool) -> bytes:
                 p = first[channel] if x == y == 0 else a + b - max(min(a, b), min(c, max(a, b)))
                 rows[y][x] = (p + tile.residual(place, x, y)) & mask
         channels[channel] = rows
+    return channels
+
+
+def third_component(r: int, g: int) -> int:
+    """What the normal bit adds to channel 2."""
+    s = 255 ** 2 - (2 * r - 255) ** 2 - (2 * g - 255) ** 2
+    return (256 + math.isqrt(s)) >> 1 if s > 0 else 128
+
+
+def texels(channels: list, size: int, flags: int) -> bytes:
+    """Texels from channels, after what the colour and normal bits add."""
+    mask = (1 << 8 * size) - 1
     out = bytearray()
-    for y in range(h):
-        for x in range(w):
-            texel = [channels[k][y][x] for k in range(n)]
-            if colour:
+    for rows in zip(*channels):
+        for texel in map(list, zip(*rows)):
+            if flags & COLOUR:
                 texel[0] += texel[1]
                 texel[2] += texel[1]
+            if flags & NORMAL:
+                texel[2] += third_component(texel[0], texel[1])
             out += b"".join((v & mask).to_bytes(size, "little") for v in texel)
     return bytes(out)
 
 
-def decode(stored: bytes, w: int, h: int, n: int, size: int) -> bytes:
+# ---- frames --------------------------------------------------------------------------------------
+
+def frame_residuals(content: bytes, w: int, h: int, n: int, size: int, by_texel: bool):
+    """residual(channel, x, y) of the content of a frame."""
+    order = coding_order(n)
+
+    def residual(channel: int, x: int, y: int) -> int:
+        if by_texel:
+            z = number(content, ((y * w + x) * n + channel) * size, size)
+        else:
+            plane = order.index(channel) * size
+            z = 0
+            for k in range(size):              # the high byte first
+                z = z << 8 | content[(plane + k) * w * h + y * w + x]
+        return z if size == 1 else (z >> 1) ^ -(z & 1)
+    return residual
+
+
+def decode_frame(stored: bytes, w: int, h: int, n: int, size: int, unzstd) -> bytes:
+    flags = stored[0]
+    need(flags & (ZERO_MAP | LANES) == 0, "R5313", "flags")
+    need(len(stored) >= 2, "R5313", "no form")
+    predictor, by_texel = stored[1] & 3, stored[1] & 4
+    need(predictor != 3 and stored[1] < 8, "R5313", "form")
+    content = unzstd(stored[2:], w * h * n * size)
+    residual = frame_residuals(content, w, h, n, size, by_texel)
+    mask = (1 << 8 * size) - 1
+    channels = [[[0] * w for _ in range(h)] for _ in range(n)]
+    for channel, rows in enumerate(channels):
+        for y in range(h):
+            for x in range(w):
+                to_the_left = x > 0 if predictor == 1 else y == 0
+                if predictor == 0 or x == y == 0:
+                    p = 0
+                else:
+                    p = rows[y][x - 1] if to_the_left else rows[y - 1][x]
+                rows[y][x] = (p + residual(channel, x, y)) & mask
+    return texels(channels, size, flags)
+
+
+# ---- a whole tile --------------------------------------------------------------------------------
+
+COLOUR, ZERO_MAP, LANES, FRAME, NORMAL, RESERVED = 1, 2, 12, 16, 32, 192
+
+
+def decode(stored: bytes, w: int, h: int, n: int, size: int, unzstd) -> bytes:
+    need(len(stored) >= 1, "R5302", "cut")
+    flags = stored[0]
+    need(flags & RESERVED == 0, "R5302", "flags")
+    need(not flags & COLOUR or n >= 3, "R5303", "colour")
+    need(not flags & NORMAL or (n >= 3 and size == 1), "R5303", "normal")
+    need(flags & (COLOUR | NORMAL) != COLOUR | NORMAL, "R5303", "both")
+    if flags & FRAME:
+        return decode_frame(stored, w, h, n, size, unzstd)
     need(len(stored) >= 3 + n * size, "R5302", "cut")
-    flags, table_count, coded = stored[:3]
-    colour, zero_map, lane_code = flags & 1, flags >> 1 & 1, flags >> 2 & 3
-    need(flags < 16 and lane_code != 3 and coded >> n * size == 0, "R5302")
+    table_count, coded = stored[1:3]
+    zero_map, lane_code = flags >> 1 & 1, flags >> 2 & 3
+    need(lane_code != 3 and coded >> n * size == 0, "R5302")
     first = [number(stored, 3 + k * size, size) for k in range(n)]
     at = 3 + n * size
     planes = [k for k in range(n * size) if coded >> k & 1]
     need(len(stored) >= at + 8 * len(planes), "R5302", "cut in maps")
-    need(not colour or n >= 3, "R5303")
     tile = Tile(w, h, n, size)
     if not planes:
         need(table_count == lane_code == zero_map == 0 and len(stored) == at, "R5304")
-        return restore(tile, first, colour)
+        return texels(restore(tile, first), size, flags)
     need(1 <= table_count <= 8, "R5304")
     maps = {}
     for plane in planes:
@@ -190,4 +262,4 @@ def decode(stored: bytes, w: int, h: int, n: int, size: int) -> bytes:
                 tile.samples[plane][y][x] = symbol
     need(at == len(stored), "R5311", "words left")
     need(all(x == 1 << 15 for x in states), "R5312")
-    return restore(tile, first, colour)
+    return texels(restore(tile, first), size, flags)

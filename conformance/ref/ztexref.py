@@ -3,8 +3,8 @@
 decodes all levels.
 
 `read(data)` returns a `Ztex` or raises `Fault`, which names the first rule that the file breaks.
-The order is that of the layers: preamble, directory, heads and hashes, TEXS, IMAG, ZPMP, META,
-texels. Nothing is shared with conformance/make."""
+The order is that of the layers: preamble, directory, heads and hashes, TEXS, IMAG, ZPMP, SLMP,
+META, texels. Nothing is shared with conformance/make."""
 
 import itertools
 import math
@@ -16,13 +16,16 @@ from dataclasses import dataclass, field
 import xxhash
 import zstandard
 
+import zfields
 import zmath
 import zpred
+import zsilmap
 
 SPEC = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..",
                                      "spec"))
-KNOWN = {b"TEXS": 1, b"IMAG": 1, b"ZPMP": 1, b"META": 2, b"TEXL": 1}   # type -> flags
-ORDER = {b"TEXS": 0, b"IMAG": 1, b"ZPMP": 2, b"META": 3, b"TEXL": 5}   # others: 4
+KNOWN = {b"TEXS": 1, b"IMAG": 1, b"ZPMP": 1, b"SLMP": 1, b"META": 2, b"TEXL": 1}  # type -> flags
+ORDER = {b"TEXS": 0, b"IMAG": 1, b"ZPMP": 2, b"SLMP": 3, b"META": 4, b"TEXL": 6}  # others: 5
+IMAGE, ZIPMAP, SILMAP = 0, 1, 2                                        # kinds of textures
 NONE = 0xFFFFFFFF
 
 
@@ -174,6 +177,8 @@ class Image:
     block: tuple
     alpha_mode: int
     layer_kind: int
+    primaries: int = 1
+    transfer: int = 8
     units: list = field(default_factory=list)
     decoded: list = field(default_factory=list)    # bytes of each level
 
@@ -203,8 +208,18 @@ class Texture:
     kind: int
     name: bytes
     images: list
-    zipmap: list = None
+    wrap: tuple = (0, 0, 0)
+    zipmap: list = None            # of each patch: parent, kind, sources, mask, composed matrix
+    silmap: object = None          # a Silmap
     elements: bytes = b""
+
+
+@dataclass
+class Silmap:
+    filter: int
+    grid: zsilmap.Grid
+    samples: list                  # index of an image for each layer
+    minified: list                 # the same, or NONE
 
 
 @dataclass
@@ -242,7 +257,7 @@ def read_container(data: bytes) -> list:
         need(re.fullmatch(rb"[A-Z0-9]{4}", kind), "R3004")
         need(flags & ~3 == 0 and flags == KNOWN.get(kind, flags), "R3005")
         need(kind in KNOWN or not flags & 1, "R3012", repr(kind))
-        need(codec <= 1 and not (codec and kind in (b"TEXL", b"ZPMP")), "R3006")
+        need(codec <= 1 and not (codec and kind in (b"TEXL", b"ZPMP", b"SLMP")), "R3006")
         need(1 <= stored < 1 << 53 and 1 <= decoded < 1 << 53
              and (codec == 0 or decoded <= 1 << 30), "R3003")
         need(stored < decoded if codec else (stored, h1) == (decoded, h2), "R3007")
@@ -256,7 +271,8 @@ def read_container(data: bytes) -> list:
         need(kind in kinds, "R3010", repr(kind))
     keys = [(ORDER.get(k, 4), b"" if k in ORDER else k) for k in kinds]
     need(keys == sorted(keys), "R3009")
-    need(all(k == b"ZPMP" or kinds.count(k) == 1 for k in kinds), "R3011")
+    often = (b"ZPMP", b"SLMP")
+    need(all(k in often or kinds.count(k) == 1 for k in kinds), "R3011")
     out = []
     for i, (raw, kind, version, codec, at, stored_size, decoded_size, h1, h2) in enumerate(entries):
         magic, index, reserved = struct.unpack("<8sII", data[at:at + 16])
@@ -295,7 +311,7 @@ def read_texs(data: bytes) -> list:
          "R6101", "sums")
     layers, out = [], []
     for kind, u, v, w, layer_count, name_size, reserved in heads:
-        need(kind <= 1, "R6103", str(kind))
+        need(kind in (IMAGE, ZIPMAP, SILMAP), "R6103", str(kind))
         need(max(u, v, w) <= 3 and reserved == 0, "R6104")
         need(1 <= layer_count <= 32, "R6105")
         need(name_size <= 255, "R6107")
@@ -304,7 +320,7 @@ def read_texs(data: bytes) -> list:
     for head, own in zip(heads, layers):
         name = c.take(head[5])
         check_text(name, "R6107", CONTROL)
-        out.append(Texture(head[0], name, [image for _, _, image in own]))
+        out.append(Texture(head[0], name, [image for _, _, image in own], head[1:4]))
     names = [t.name for t in out if t.name]
     need(len(set(names)) == len(names), "R6108")
     return out
@@ -327,7 +343,8 @@ def read_imag(data: bytes, texl_size: int) -> list:
         if known:
             need((bw, bh, bb) == known[1], "R6005")
         need(1 <= bw <= 16 and 1 <= bh <= 16 and 1 <= bb <= 64, "R6005")
-        image = Image(number, w, h, d, layers, levels, tile_log2, (bw, bh, bb), alpha, kind)
+        image = Image(number, w, h, d, layers, levels, tile_log2, (bw, bh, bb), alpha, kind,
+                      primaries, transfer)
         need(4 <= tile_log2 <= 16, "R6004")
         gw, gh = image.grid(0)
         need(min(gw, 1 << tile_log2) * min(gh, 1 << tile_log2) * bb <= 1 << 30, "R6004",
@@ -450,8 +467,52 @@ def read_zpmp(data: bytes, own: int, z: Ztex):
     for k in used:
         need(images[k].depth == 1 and images[k].layer_kind != 1 and images[k].layers in (1, layers),
              "R8108")
-    texture.zipmap = list(zip(parents, kinds, masks, composed))
+    texture.zipmap = list(zip(parents, kinds, zip(*sources), masks, composed))
     return coverage
+
+
+# ---- silmap.md -----------------------------------------------------------------------------------
+
+def read_slmp(data: bytes, texture: Texture, z: Ztex):
+    """Checks the chunk of a texture; leaves its silmap there."""
+    need(len(data) >= 24, "R8201")
+    c = Cursor(data, "R5103")
+    w, h, cell_layers, layer_count, kind, reserved = c.fields("4IB7s")
+    need(reserved == bytes(7) and layer_count == len(texture.images), "R8201")
+    need(1 <= w <= 1 << 20 and 1 <= h <= 1 << 20 and 1 <= cell_layers <= 1 << 16
+         and w * h * cell_layers < 1 << 32, "R8201", "size")
+    need(kind <= 2, "R8202")
+    planes = [read_plane(c, size, count) for size, count in ((1, w * h * cell_layers),
+                                                             (4, layer_count), (4, layer_count))]
+    need(c.left() == 0, "R5106")
+    cells, samples, minified = planes
+    texture.elements = bytes(cells) + struct.pack("<%dI" % (2 * layer_count), *samples, *minified)
+    repeat_u, repeat_v = texture.wrap[0] == 0, texture.wrap[1] == 0
+    for index in samples:
+        need(index < len(z.images), "R8203", "index")
+        image = z.images[index]
+        need(image.levels == 1 and image.depth == 1 and image.layer_kind != 1, "R8203")
+        need((image.width, image.height) == (w + (not repeat_u), h + (not repeat_v)), "R8203",
+             "size")
+    array_layers = {z.images[index].layers for index in samples}
+    need(len(array_layers) == 1 and (cell_layers == 1 or cell_layers in array_layers), "R8204")
+    for index, own in zip(minified, samples):
+        if index == NONE:
+            continue
+        need(index < len(z.images), "R8205", "index")
+        small, image = z.images[index], z.images[own]
+        need((small.width, small.height, small.depth) == (w, h, 1), "R8205", "size")
+        for name in ("format", "alpha_mode", "primaries", "transfer", "layers", "layer_kind"):
+            need(getattr(small, name) == getattr(image, name), "R8205", name)
+    grid = zsilmap.Grid(w, h, cell_layers, bytes(cells), repeat_u, repeat_v)
+    for layer in range(cell_layers):
+        for j in range(h) if not repeat_u else ():
+            need(not grid.byte(0, j, layer) & zsilmap.WEST_BIT, "R8206", "first column")
+        for i in range(w) if not repeat_v else ():
+            need(not grid.byte(i, 0, layer) & zsilmap.NORTH_BIT, "R8206", "first row")
+    if grid.has_costly_points():
+        z.warnings.append("R8207")
+    texture.silmap = Silmap(kind, grid, samples, minified)
 
 
 def check_coverage(image: Image):
@@ -483,7 +544,7 @@ def unpred(stored: bytes, image: Image, level, tile: int) -> bytes:
          "format")
     _, x0, y0, x1, y1 = next(itertools.islice(image.tile_boxes(level), tile, None))
     try:
-        return zpred.decode(stored, x1 - x0, y1 - y0, channels, blk[2] // channels)
+        return zpred.decode(stored, x1 - x0, y1 - y0, channels, blk[2] // channels, unzstd)
     except zpred.Broken as broken:
         raise Fault(broken.rule, str(broken))
 
@@ -496,7 +557,7 @@ def read_unit(texl: bytes, image: Image, unit: Unit) -> list:
     need(xxh3(index) == unit.index_hash, "R5204")
     records = [struct.unpack_from("<IB3sQ", index, 16 * i) for i in range(n)]
     for size, (stored, codec, reserved, digest) in zip(unit.tiles, records):
-        need(codec <= 2 and reserved == b"\0\0\0", "R5201")
+        need(codec in (0, 1, 2, 4) and reserved == b"\0\0\0", "R5201")
         need(stored == size if codec == 0 else 1 <= stored < size, "R5202")
     need(sum(r[0] for r in records) == unit.size - 16 * n, "R5205")
     at, out = 16 * n, []
@@ -505,6 +566,10 @@ def read_unit(texl: bytes, image: Image, unit: Unit) -> list:
         at += stored
         if codec == 2:
             tile = unpred(piece, image, unit.level, k)
+        elif codec == 4:
+            sizes = zfields.fields_of(image.format)
+            need(unit.level != "tail" and sizes, "R5401")
+            tile = zfields.together(unzstd(piece, size), sizes)
         else:
             tile = unzstd(piece, size) if codec else piece
         need(xxh3(tile) == digest, "R5203")
@@ -540,10 +605,11 @@ def read(data: bytes) -> Ztex:
     texl = by_kind(b"TEXL")[0][1]
     z.textures = read_texs(by_kind(b"TEXS")[0][1])
     z.images = read_imag(by_kind(b"IMAG")[0][1], len(texl))
-    zpmp = by_kind(b"ZPMP")
-    need(len(zpmp) == sum(t.kind == 1 for t in z.textures), "R6110")
+    zpmp, slmp = by_kind(b"ZPMP"), by_kind(b"SLMP")
+    need(len(zpmp) == sum(t.kind == ZIPMAP for t in z.textures), "R6110", "ZPMP")
+    need(len(slmp) == sum(t.kind == SILMAP for t in z.textures), "R6110", "SLMP")
     for t in z.textures:
-        if t.kind == 0:
+        if t.kind == IMAGE:
             need(all(i < len(z.images) for i in t.images), "R6106")
             shapes = {(i.width, i.height, i.depth, i.layers,
                        i.layer_kind) for i in (z.images[k] for k in t.images)}
@@ -553,8 +619,12 @@ def read(data: bytes) -> Ztex:
     coverage = set()
     payloads = iter(zpmp)
     for own, t in enumerate(z.textures):
-        if t.kind == 1:
+        if t.kind == ZIPMAP:
             coverage |= read_zpmp(next(payloads)[1], own, z)
+    payloads = iter(slmp)
+    for t in z.textures:
+        if t.kind == SILMAP:
+            read_slmp(next(payloads)[1], t, z)
     for version, payload in by_kind(b"META"):
         if version == 1:
             z.meta = read_meta(payload, z.warnings)

@@ -1,25 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ready-made zt_parallel: a pool of POSIX threads. The calling thread works too, as worker 0. */
+/* The ready-made zt_parallel: a pool of POSIX threads. The calling thread works too, as worker 0. Runs are often shorter
+ * than waking a thread takes, so all wait a moment in a loop before they sleep. */
 #include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "base_diag.h"
 
-enum { MAX_THREADS = 256 };
+enum { MAX_THREADS = 256, SPINS = 1000 }; /* of 40 ns or so */
 
 typedef void task_function(void *context, size_t index, unsigned worker);
 
 struct zt_threads {
     pthread_mutex_t gate; /* one run at a time */
-    pthread_mutex_t lock; /* guards all below */
+    pthread_mutex_t lock; /* for joining a run, and for sleeping */
     pthread_cond_t wake, done;
+    /* Those of the run; they only change while no thread has joined it. */
     task_function *task;
     void *context;
-    size_t next, count; /* indices below next are given out */
-    size_t running;     /* threads inside a task */
-    uint64_t round;     /* counts runs, so that a sleeping thread knows a new one */
-    int quit;
+    size_t count;
+    _Atomic size_t next;    /* indices below are given out */
+    _Atomic size_t joined;  /* threads in the run, but for the calling one */
+    _Atomic uint64_t round; /* counts runs, so that a waiting thread knows a new one */
+    bool open;              /* may be joined */
+    _Atomic bool quit;
     unsigned worker_count; /* with the calling thread */
     unsigned started;      /* threads that exist */
     struct worker {
@@ -29,53 +35,95 @@ struct zt_threads {
     } workers[MAX_THREADS];
 };
 
-/* Takes indices until none is left. Called and returns with the lock held. */
+static void pause_briefly(void) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    __asm__ volatile("isb");
+#endif
+}
+
+/* Takes indices until none is left. */
 static void work(zt_threads *threads, unsigned worker) {
-    threads->running++;
-    while (threads->next < threads->count) {
-        size_t index = threads->next++;
-        task_function *task = threads->task;
-        void *context = threads->context;
-        pthread_mutex_unlock(&threads->lock);
-        task(context, index, worker);
-        pthread_mutex_lock(&threads->lock);
+    for (;;) {
+        size_t index = atomic_fetch_add_explicit(&threads->next, 1, memory_order_relaxed);
+        if (index >= threads->count)
+            return;
+        threads->task(threads->context, index, worker);
     }
-    threads->running--;
+}
+
+static void leave(zt_threads *threads) {
+    if (atomic_fetch_sub(&threads->joined, 1) != 1)
+        return;
+    pthread_mutex_lock(&threads->lock);
+    pthread_cond_signal(&threads->done);
+    pthread_mutex_unlock(&threads->lock);
+}
+
+/* Waits for a run later than *seen, or the end. */
+static void await_round(zt_threads *threads, uint64_t seen) {
+    for (int i = 0; i < SPINS && atomic_load(&threads->round) == seen && !atomic_load(&threads->quit); i++)
+        pause_briefly();
+    pthread_mutex_lock(&threads->lock);
+    while (atomic_load(&threads->round) == seen && !atomic_load(&threads->quit))
+        pthread_cond_wait(&threads->wake, &threads->lock);
 }
 
 static void *thread_main(void *argument) {
     const struct worker *self = argument;
     zt_threads *threads = self->threads;
     uint64_t seen = 0;
-    pthread_mutex_lock(&threads->lock);
     for (;;) {
-        while (!threads->quit && threads->round == seen)
-            pthread_cond_wait(&threads->wake, &threads->lock);
-        if (threads->quit)
-            break;
-        seen = threads->round;
+        await_round(threads, seen);
+        bool quit = atomic_load(&threads->quit), join = threads->open && !quit;
+        seen = atomic_load(&threads->round);
+        if (join)
+            atomic_fetch_add(&threads->joined, 1);
+        pthread_mutex_unlock(&threads->lock);
+        if (quit)
+            return NULL;
+        if (!join)
+            continue;
         work(threads, self->index);
-        if (threads->running == 0)
-            pthread_cond_signal(&threads->done);
+        leave(threads);
     }
+}
+
+static void begin_run(zt_threads *threads, size_t count, task_function *task, void *context) {
+    pthread_mutex_lock(&threads->lock);
+    threads->task = task;
+    threads->context = context;
+    threads->count = count;
+    atomic_store(&threads->next, 0);
+    threads->open = true;
+    atomic_fetch_add(&threads->round, 1);
     pthread_mutex_unlock(&threads->lock);
-    return NULL;
+    if (count > threads->worker_count)
+        pthread_cond_broadcast(&threads->wake);
+    for (size_t i = 1; count <= threads->worker_count && i < count; i++)
+        pthread_cond_signal(&threads->wake);
+}
+
+/* Nobody joins any more; waits for those who have. */
+static void end_run(zt_threads *threads) {
+    pthread_mutex_lock(&threads->lock);
+    threads->open = false;
+    pthread_mutex_unlock(&threads->lock);
+    for (int i = 0; i < SPINS && atomic_load(&threads->joined) > 0; i++)
+        pause_briefly();
+    pthread_mutex_lock(&threads->lock);
+    while (atomic_load(&threads->joined) > 0)
+        pthread_cond_wait(&threads->done, &threads->lock);
+    pthread_mutex_unlock(&threads->lock);
 }
 
 static void run(void *user, size_t count, task_function *task, void *context) {
     zt_threads *threads = user;
     pthread_mutex_lock(&threads->gate);
-    pthread_mutex_lock(&threads->lock);
-    threads->task = task;
-    threads->context = context;
-    threads->next = 0;
-    threads->count = count;
-    threads->round++;
-    pthread_cond_broadcast(&threads->wake);
+    begin_run(threads, count, task, context);
     work(threads, 0);
-    while (threads->running > 0)
-        pthread_cond_wait(&threads->done, &threads->lock);
-    pthread_mutex_unlock(&threads->lock);
+    end_run(threads);
     pthread_mutex_unlock(&threads->gate);
 }
 
@@ -125,7 +173,7 @@ void zt_threads_close(zt_threads *threads) {
     if (!threads)
         return;
     pthread_mutex_lock(&threads->lock);
-    threads->quit = 1;
+    atomic_store(&threads->quit, true);
     pthread_cond_broadcast(&threads->wake);
     pthread_mutex_unlock(&threads->lock);
     for (unsigned i = 1; i <= threads->started; i++)

@@ -223,10 +223,12 @@ zt_result zt__check_image(zt__sink *sink, const zt_limits *limits, const zt__ima
     return ZT_OK;
 }
 
-zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, bool pred_allowed,
+zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, const zt__tile_form *form,
                          uint64_t offset) {
-    ZT_RULE(sink, 5301, t->codec != ZT__CODEC_PRED || pred_allowed, offset + 4,
+    ZT_RULE(sink, 5301, t->codec != ZT__CODEC_PRED || (form && form->shape.channels > 0), offset + 4,
             "codec 2 in a mip tail or for this format");
+    ZT_RULE(sink, 5401, t->codec != ZT__CODEC_FIELDS || (form && form->fields), offset + 4,
+            "codec 4 in a mip tail or for this format");
     ZT_RULE(sink, 5201, !t->reserved[0] && !t->reserved[1] && !t->reserved[2], offset + 5,
             "reserved bytes are not zero");
     if (t->codec == ZT__CODEC_RAW) {
@@ -275,7 +277,8 @@ bool zt__utf8_ok(const char *text, size_t size, bool control) {
 }
 
 zt_result zt__check_texture(zt__sink *sink, const zt__texture_entry *t, const char *name, uint64_t offset) {
-    ZT_RULE(sink, 6103, t->kind <= ZT_KIND_ZIPMAP, offset, "texture kind %u is not known", t->kind);
+    ZT_RULE(sink, 6103, t->kind == ZT_KIND_IMAGE || zt__find_payload_type(t->kind), offset,
+            "texture kind %u is not known", t->kind);
     ZT_RULE(sink, 6104, t->wrap_u <= ZT_WRAP_BORDER && t->wrap_v <= ZT_WRAP_BORDER && t->wrap_w <= ZT_WRAP_BORDER,
             offset + 1, "wrap modes %u, %u, %u", t->wrap_u, t->wrap_v, t->wrap_w);
     ZT_RULE(sink, 6104, t->reserved == 0, offset + 12, "a reserved field is not zero");

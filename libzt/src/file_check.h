@@ -7,6 +7,7 @@
 #define ZT_FILE_CHECK_H
 
 #include "base_diag.h"
+#include "file_geometry.h"
 #include "file_layout.h"
 
 /* Rules 2001 to 2005 and 2008; the limits on chunks. */
@@ -28,9 +29,9 @@ zt_result zt__check_texture(zt__sink *sink, const zt__texture_entry *t, const ch
 zt_result zt__check_metadata_key(zt__sink *sink, const char *key, size_t size, uint64_t offset);
 zt_result zt__check_metadata_value(zt__sink *sink, const char *value, size_t size, uint64_t offset);
 
-/* Rules 5201, 5202 and 5301; decoded_size as the geometry gives it. An unknown codec is not an error here: decoding
- * refuses it. */
-zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, bool pred_allowed,
+/* Rules 5201, 5202, 5301 and 5401; decoded_size as the geometry gives it; form: NULL for mip tails. An unknown codec is
+ * not an error here: decoding refuses it. */
+zt_result zt__check_tile(zt__sink *sink, const zt__tile_record *t, uint32_t decoded_size, const zt__tile_form *form,
                          uint64_t offset);
 
 /* Valid UTF-8 (no overlong forms, no surrogates, at most U+10FFFF); control: whether U+0001 to U+001F and U+007F may

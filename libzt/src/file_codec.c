@@ -7,6 +7,7 @@
 #include "base_bytes.h"
 #include "base_hash.h"
 #include "file_codec.h"
+#include "file_pred_frame.h"
 
 enum {
     FRAME_BLOCK_MAX = 131072,
@@ -36,7 +37,7 @@ void zt__decoder_free(zt__decoder *decoder) {
     zt__free(decoder->memory, decoder->zstd, decoder->zstd_size, 1);
     zt__free(decoder->memory, decoder->stored, decoder->stored_size, 1);
     zt__free(decoder->memory, decoder->raw, decoder->raw_size, 1);
-    zt__free(decoder->memory, decoder->pred, decoder->pred_size, 1);
+    zt__free(decoder->memory, decoder->scratch, decoder->scratch_size, 1);
     zt__decoder_init(decoder, decoder->memory);
 }
 
@@ -62,6 +63,11 @@ zt_result zt__decoder_stored(zt__decoder *decoder, uint64_t size, zt_diag *diag,
 
 zt_result zt__decoder_raw(zt__decoder *decoder, uint64_t size, zt_diag *diag, uint8_t **out) {
     return buffer_of(decoder->memory, &decoder->raw, &decoder->raw_size, size, diag, out);
+}
+
+void zt__decoder_reserve(zt__decoder *decoder, uint64_t size) {
+    uint8_t *scratch;
+    (void)buffer_of(decoder->memory, &decoder->scratch, &decoder->scratch_size, size, NULL, &scratch);
 }
 
 /* The frame content size field of a single-segment frame, its length by the top two bits. */
@@ -161,29 +167,69 @@ zt_result zt__decode_stored(zt__sink *sink, zt__decoder *decoder, uint8_t codec,
     return ZT_OK;
 }
 
-/* Hash of rows as if there were nothing between them. */
-static uint64_t hash_rows(const uint8_t *rows, size_t row_size, size_t count, size_t pitch) {
+/* Samples that are words of the range coder. *hash: of the texels. */
+static zt_result decode_words(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape, const uint8_t *stored,
+                              size_t size, uint8_t *dst, size_t pitch, uint64_t offset, uint64_t *hash) {
+    uint8_t *scratch;
+    ZT_TRY(buffer_of(decoder->memory, &decoder->scratch, &decoder->scratch_size, zt__pred_scratch_size(shape),
+                     sink->diag, &scratch));
+    uint32_t broken = zt__pred_decode_hashed(decoder->kernel, shape, stored, size, scratch, dst, pitch, hash);
+    if (broken)
+        return zt__report(sink, broken, offset, "the tile is damaged: %s", zt__find_rule(broken)->pub.text);
+    return ZT_OK;
+}
+
+/* Samples that are a zstd frame. */
+static zt_result decode_samples(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape,
+                                const uint8_t *stored, size_t size, uint8_t *dst, size_t pitch, uint64_t offset,
+                                uint64_t *hash) {
+    uint8_t *samples;
+    zt__pred_form form;
     zt__hasher hasher;
-    if (pitch == row_size)
-        return zt__hash(rows, row_size * count);
+    size_t row_size = (size_t)shape->width * shape->channels * shape->channel_bytes,
+           raw_size = row_size * shape->height;
+    uint32_t broken = zt__pred_take_form(shape, stored, size, &form);
+    if (broken)
+        return zt__report(sink, broken, offset, "the tile is damaged: %s", zt__find_rule(broken)->pub.text);
+    ZT_TRY(buffer_of(decoder->memory, &decoder->scratch, &decoder->scratch_size, raw_size, sink->diag, &samples));
+    ZT_TRY(zt__decode_frame(sink, decoder, stored + ZT__PRED_FORM_SIZE, size - ZT__PRED_FORM_SIZE, samples, raw_size,
+                            place_of(offset, ZT__PRED_FORM_SIZE)));
     zt__hash_begin(&hasher);
-    for (size_t y = 0; y < count; y++)
-        zt__hash_more(&hasher, rows + y * pitch, row_size);
-    return zt__hash_end(&hasher);
+    zt__pred_from_samples(decoder->kernel, shape, &form, samples, dst, pitch, &hasher);
+    *hash = zt__hash_end(&hasher);
+    return ZT_OK;
 }
 
 zt_result zt__decode_pred(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape, const uint8_t *stored,
                           size_t size, uint8_t *dst, size_t pitch, uint64_t hash, uint64_t offset) {
-    uint8_t *scratch;
-    size_t row_size = (size_t)shape->width * shape->channels * shape->channel_bytes;
+    uint64_t found;
     if (!zt__pred_shape_ok(shape))
         return zt__fail(sink->diag, ZT_INTERNAL, 0, offset, "a tile that codec 2 is not for");
-    ZT_TRY(buffer_of(decoder->memory, &decoder->pred, &decoder->pred_size, zt__pred_scratch_size(shape), sink->diag,
-                     &scratch));
-    uint32_t broken = zt__pred_decode(decoder->kernel, shape, stored, size, scratch, dst, pitch);
-    if (broken)
-        return zt__report(sink, broken, offset, "the tile is damaged: %s", zt__find_rule(broken)->pub.text);
-    ZT_RULE(sink, 5203, hash_rows(dst, row_size, shape->height, pitch) == hash, offset,
+    if (zt__pred_has_frame(stored, size))
+        ZT_TRY(decode_samples(sink, decoder, shape, stored, size, dst, pitch, offset, &found));
+    else
+        ZT_TRY(decode_words(sink, decoder, shape, stored, size, dst, pitch, offset, &found));
+    ZT_RULE(sink, 5203, found == hash, offset, "the decoded bytes do not have the hash that is stored for them");
+    return ZT_OK;
+}
+
+zt_result zt__decode_fields(zt__sink *sink, zt__decoder *decoder, const zt__fields *fields, size_t row_size,
+                            size_t row_count, const uint8_t *stored, size_t size, uint8_t *dst, size_t pitch,
+                            uint64_t hash, uint64_t offset) {
+    uint8_t *apart;
+    zt__hasher hasher;
+    size_t raw_size = row_size * row_count;
+    if (!fields)
+        return zt__fail(sink->diag, ZT_INTERNAL, 0, offset, "a tile that codec 4 is not for");
+    ZT_TRY(buffer_of(decoder->memory, &decoder->scratch, &decoder->scratch_size, raw_size, sink->diag, &apart));
+    ZT_TRY(zt__decode_frame(sink, decoder, stored, size, apart, raw_size, offset));
+    size_t count = raw_size / fields->block_bytes, across = row_size / fields->block_bytes;
+    zt__hash_begin(&hasher);
+    for (size_t y = 0; y < row_count; y++) {
+        zt__fields_together(fields, apart, count, y * across, across, dst + y * pitch);
+        zt__hash_more(&hasher, dst + y * pitch, row_size);
+    }
+    ZT_RULE(sink, 5203, zt__hash_end(&hasher) == hash, offset,
             "the decoded bytes do not have the hash that is stored for them");
     return ZT_OK;
 }
@@ -233,6 +279,10 @@ void zt__encoder_free(zt__encoder *encoder) {
     encoder->zstd = NULL;
 }
 
+zt_result zt__encoder_memory(zt__encoder *encoder, uint64_t size, zt_diag *diag, uint8_t **out) {
+    return buffer_of(encoder->memory, &encoder->pred, &encoder->pred_size, size, diag, out);
+}
+
 size_t zt__encode_bound(size_t size) {
     return ZSTD_compressBound(size);
 }
@@ -279,73 +329,7 @@ zt_result zt__encode_frame(zt__encoder *encoder, const void *src, size_t size, v
     return ZT_OK;
 }
 
-/* ---- tiles ---- */
-
-enum { EFFORTS = 9, EVERYTHING = 9 };
-
-int zt__level_of_effort(uint32_t effort) {
-    static const int levels[EFFORTS + 1] = {0, 1, 3, 5, 7, 9, 12, 15, 17, 19};
-    return levels[effort];
-}
-
-/* Codes a tile with codec 2 behind the work memory; *coded is NULL when it would not be smaller. */
-static zt_result try_pred(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
-                          size_t size, zt_diag *diag, const uint8_t **coded, size_t *coded_size) {
-    size_t work = zt__pred_work_size(shape);
-    uint8_t *memory;
-    *coded = NULL;
-    *coded_size = 0;
-    ZT_TRY(buffer_of(encoder->memory, &encoder->pred, &encoder->pred_size, (uint64_t)work + size, diag, &memory));
-    size_t pitch = (size_t)shape->width * shape->channels * shape->channel_bytes;
-    *coded_size = zt__pred_encode(shape, src, pitch, effort, memory, memory + work, size - 1);
-    *coded = *coded_size > 0 ? memory + work : NULL;
-    return ZT_OK;
-}
-
-/* zstd is worth its time only where repetition is what a tile has: level 1 tells. */
-static zt_result zstd_promises(const zt__encoder *encoder, uint32_t effort, const void *src, size_t size, void *dst,
-                               size_t dst_size, size_t pred_size, zt_diag *diag, bool *promises) {
-    size_t probe;
-    zt__encoder quick = *encoder;
-    quick.level = 1;
-    *promises = pred_size == 0 || effort == EVERYTHING;
-    if (*promises || effort == 1)
-        return ZT_OK;
-    ZT_TRY(zt__encode_frame(&quick, src, size, dst, dst_size, &probe, diag));
-    *promises = probe > 0 && probe < pred_size + pred_size / 4;
-    return ZT_OK;
-}
-
-zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
-                          size_t size, void *dst, size_t dst_size, uint8_t *codec, size_t *stored_size, zt_diag *diag) {
-    const uint8_t *pred = NULL;
-    size_t pred_size = 0, frame = 0;
-    bool promises = true;
-    *codec = ZT__CODEC_RAW;
-    *stored_size = 0;
-    if (dst_size < zt__encode_bound(size))
-        return zt__fail(diag, ZT_INTERNAL, 0, ZT__NO_OFFSET, "no room to encode");
-    if (!encoder->raw_only && shape && size > 1)
-        ZT_TRY(try_pred(encoder, effort, shape, src, size, diag, &pred, &pred_size));
-    if (!encoder->raw_only)
-        ZT_TRY(zstd_promises(encoder, effort, src, size, dst, dst_size, pred_size, diag, &promises));
-    if (!encoder->raw_only && promises)
-        ZT_TRY(zt__encode_frame(encoder, src, size, dst, dst_size, &frame, diag));
-    *stored_size = size;
-    if (pred && (frame == 0 || pred_size < frame)) {
-        *codec = ZT__CODEC_PRED;
-        *stored_size = pred_size;
-        memcpy(dst, pred, pred_size);
-    } else if (frame > 0) {
-        *codec = ZT__CODEC_ZSTD;
-        *stored_size = frame;
-    } else {
-        memcpy(dst, src, size);
-    }
-    return ZT_OK;
-}
-
 zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, void *dst, size_t dst_size,
                             uint8_t *codec, size_t *stored_size, zt_diag *diag) {
-    return zt__encode_tile(encoder, EVERYTHING, NULL, src, size, dst, dst_size, codec, stored_size, diag);
+    return zt__encode_tile(encoder, ZT__PRED_MAX_EFFORT, NULL, src, size, dst, dst_size, codec, stored_size, diag);
 }

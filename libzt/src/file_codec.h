@@ -5,8 +5,8 @@
 
 #include "base_diag.h"
 #include "base_memory.h"
+#include "file_geometry.h"
 #include "file_layout.h"
-#include "file_pred.h"
 
 /* A decoding context: one for each thread. Memory is taken once and reused. Zero-initialised is empty. */
 typedef struct zt__decoder {
@@ -18,8 +18,8 @@ typedef struct zt__decoder {
     void *raw; /* buffer for decoded bytes */
     uint64_t raw_size;
     const zt__pred_kernel *kernel; /* of codec 2 */
-    void *pred;                    /* its scratch memory */
-    uint64_t pred_size;
+    void *scratch;                 /* of codecs 2 and 4 */
+    uint64_t scratch_size;
 } zt__decoder;
 
 void zt__decoder_init(zt__decoder *decoder, zt__memory *memory);
@@ -28,7 +28,10 @@ void zt__decoder_free(zt__decoder *decoder);
 zt_result zt__decoder_stored(zt__decoder *decoder, uint64_t size, zt_diag *diag, uint8_t **out);
 zt_result zt__decoder_raw(zt__decoder *decoder, uint64_t size, zt_diag *diag, uint8_t **out);
 
-/* The four decoding functions below fail also with the validator's sink when dst could not be filled, after reporting
+/* Takes scratch memory of at least size bytes, if it is there. */
+void zt__decoder_reserve(zt__decoder *decoder, uint64_t size);
+
+/* The five decoding functions below fail also with the validator's sink when dst could not be filled, after reporting
  * why: the result is then ZT_CORRUPT while sink->stopped is ZT_OK, and the caller goes on with the next tile or chunk.
  * A wrong hash alone is no failure there. */
 
@@ -44,9 +47,14 @@ zt_result zt__decode_frame(zt__sink *sink, zt__decoder *decoder, const uint8_t *
 zt_result zt__decode_stored(zt__sink *sink, zt__decoder *decoder, uint8_t codec, const uint8_t *stored, size_t size,
                             void *dst, size_t dst_size, uint64_t hash, uint32_t hash_rule, uint64_t offset);
 
-/* Decodes a tile of codec 2 (rules 5302 to 5312, 5203) into rows that begin pitch bytes apart. */
+/* Decodes a tile of codec 2 (rules 5302 to 5313, 5001 to 5004, 5203) into rows that begin pitch bytes apart. */
 zt_result zt__decode_pred(zt__sink *sink, zt__decoder *decoder, const zt__pred_shape *shape, const uint8_t *stored,
                           size_t size, uint8_t *dst, size_t pitch, uint64_t hash, uint64_t offset);
+
+/* Decodes a tile of codec 4 (rules 5001 to 5004, 5203): row_count rows of row_size bytes. */
+zt_result zt__decode_fields(zt__sink *sink, zt__decoder *decoder, const zt__fields *fields, size_t row_size,
+                            size_t row_count, const uint8_t *stored, size_t size, uint8_t *dst, size_t pitch,
+                            uint64_t hash, uint64_t offset);
 
 /* Reads one plane from the cursor (rules 5101 to 5105) into count elements of element_size bytes in the machine's byte
  * order; dst must be aligned for them. chunk_offset: of the cursor's first byte in the file. */
@@ -59,11 +67,11 @@ typedef struct zt__encoder {
     void *zstd; /* ZSTD_CCtx with custom allocation through memory */
     int level;  /* 1 to 19 */
     bool raw_only;
-    void *pred; /* memory of codec 2: work, then the coded tile */
+    void *pred; /* work memory of tiles */
     uint64_t pred_size;
 } zt__encoder;
 
-/* The zstd level of an effort, 1 to 9. */
+/* The zstd level of an effort, 1 to 9, for what is not a tile of texels. */
 int zt__level_of_effort(uint32_t effort);
 
 zt_result zt__encoder_init(zt__encoder *encoder, zt__memory *memory, int level, bool raw_only, zt_diag *diag);
@@ -82,9 +90,12 @@ zt_result zt__encode_frame(zt__encoder *encoder, const void *src, size_t size, v
 zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, void *dst, size_t dst_size,
                             uint8_t *codec, size_t *stored_size, zt_diag *diag);
 
-/* The same for a tile, with codec 2 among the codecs where shape is not NULL. effort: 1 (fast) to 9 (small), how hard codec 2 is
- * tried and when zstd is as well. The same bytes on every machine. */
-zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__pred_shape *shape, const void *src,
+/* Memory of at least size bytes, kept until the next call of this or zt__encode_tile. */
+zt_result zt__encoder_memory(zt__encoder *encoder, uint64_t size, zt_diag *diag, uint8_t **out);
+
+/* The same for a tile of a level (file_effort.c) with the codecs that its form allows; form may be NULL. effort: 1 (fast)
+ * to 9 (small). The same bytes on every machine. */
+zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__tile_form *form, const void *src,
                           size_t size, void *dst, size_t dst_size, uint8_t *codec, size_t *stored_size, zt_diag *diag);
 
 /* Most bytes of a plane with its header. */

@@ -198,18 +198,28 @@ static zt_result add_imag(layout *l) {
     return append_block(l, ZT__IMAG, bytes, size, (size_t)size);
 }
 
-/* ---- ZPMP, META, others --------------------------------------------------------------------------------------- */
+/* ---- payloads, META, others --------------------------------------------------------------------------------------- */
 
-static zt_result add_payloads(layout *l) {
+static zt_result add_payloads_of(layout *l, const zt__chunk_type *type) {
     zt_writer *w = l->writer;
     for (uint32_t i = 0; i < w->texture_count; i++) {
+        const zt__write_texture *t = &w->textures[i];
         uint8_t *bytes;
         uint64_t capacity;
         size_t size;
-        if (!w->textures[i].payload)
+        if (t->entry.kind != type->kind)
             continue;
-        ZT_TRY(w->hooks->encode(w, &w->encoders[0], w->textures[i].payload, l->diag, &bytes, &capacity, &size));
-        ZT_TRY(append_block(l, ZT__ZPMP, bytes, capacity, size));
+        ZT_TRY(w->hooks->encode(&w->encoders[0], type->kind, t->payload, l->diag, &bytes, &capacity, &size));
+        ZT_TRY(append_block(l, type->type, bytes, capacity, size));
+    }
+    return ZT_OK;
+}
+
+/* The table of chunk types has them in the order of the file. */
+static zt_result add_payloads(layout *l) {
+    for (uint32_t i = 0; zt__get_chunk_type(i); i++) {
+        if (zt__get_chunk_type(i)->kind != ZT_KIND_IMAGE)
+            ZT_TRY(add_payloads_of(l, zt__get_chunk_type(i)));
     }
     return ZT_OK;
 }

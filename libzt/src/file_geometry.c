@@ -84,15 +84,12 @@ void zt__tile_geometry(const zt__image_record *image, const zt_level_info *level
     out->size = out->width * out->height * image->block_bytes;
 }
 
-bool zt__pred_allowed(const zt__image_record *image) {
+zt__tile_form zt__tile_form_of(const zt__image_record *image, const zt__tile_box *box) {
     const zt_format_info *format = zt_find_format(image->format);
-    return format && format->is_plain && (format->channel_bits == 8 || format->channel_bits == 16);
-}
-
-zt__pred_shape zt__pred_shape_of(const zt__image_record *image, const zt__tile_box *box) {
-    const zt_format_info *format = zt_find_format(image->format);
-    zt__pred_shape shape = {box->width, box->height, format->channels, format->channel_bits / 8U};
-    return shape;
+    zt__tile_form form = {.fields = zt__find_fields(image->format)};
+    if (format && format->is_plain && (format->channel_bits == 8 || format->channel_bits == 16))
+        form.shape = (zt__pred_shape){box->width, box->height, format->channels, format->channel_bits / 8U};
+    return form;
 }
 
 uint32_t zt__unit_rank(const zt__image_record *image, uint32_t unit, uint32_t tail_level) {

@@ -7,6 +7,7 @@
 #include <stdbool.h>
 
 #include "base_bytes.h"
+#include "file_fields.h"
 #include "file_pred.h"
 #include "zt/zt.h"
 
@@ -52,11 +53,13 @@ typedef struct zt__tile_box {
 
 void zt__tile_geometry(const zt__image_record *image, const zt_level_info *level, uint64_t tile, zt__tile_box *out);
 
-/* R5301: whether tiles of this image's levels may be of codec 2. */
-bool zt__pred_allowed(const zt__image_record *image);
+/* What a tile of a level is to the codecs that only such tiles may have. */
+typedef struct zt__tile_form {
+    zt__pred_shape shape;     /* to codec 2; channels is 0 where that is not allowed (R5301) */
+    const zt__fields *fields; /* to codec 4; NULL where that is not allowed (R5401) */
+} zt__tile_form;
 
-/* The shape that codec 2 sees; zt__pred_allowed. */
-zt__pred_shape zt__pred_shape_of(const zt__image_record *image, const zt__tile_box *box);
+zt__tile_form zt__tile_form_of(const zt__image_record *image, const zt__tile_box *box);
 
 /* Sort key of a unit in TEXL: tails first (0), else 1 + floor(log2(largest edge of the level)). Equal keys: by image.
  */

@@ -107,7 +107,7 @@ static zt_result make_levels(zt_writer *w, zt__write_image *image, zt_diag *diag
     ZT_TRY(zt__alloc(&w->memory, r->levels, sizeof *image->levels, diag, &block));
     image->levels = block;
     image->tail_level = zt__tail_level(r);
-    image->pred_allowed = zt__pred_allowed(r);
+    image->tail_row_count = 0;
     for (uint32_t i = 0; i < r->levels; i++) {
         zt__write_level *l = &image->levels[i];
         zt__level_geometry(r, i, &l->info);
@@ -118,6 +118,27 @@ static zt_result make_levels(zt_writer *w, zt__write_image *image, zt_diag *diag
     if (image->tail_level < r->levels)
         image->tail_size = zt__tail_size(r, image->tail_level);
     return ZT_OK;
+}
+
+zt_result zt__write_geometry(zt_writer *w, zt__write_image *image, zt_diag *diag) {
+    ZT_TRY(make_levels(w, image, diag));
+    return make_units(w, image, diag);
+}
+
+void zt__write_unit_free(zt_writer *w, zt__write_unit *u) {
+    zt__free(&w->memory, u->records, u->tile_count, sizeof *u->records);
+    zt__free(&w->memory, u->places, u->tile_count, sizeof *u->places);
+    u->records = NULL;
+    u->places = NULL;
+}
+
+void zt__write_geometry_free(zt_writer *w, zt__write_image *image) {
+    for (uint32_t i = 0; image->units && i < image->unit_count; i++)
+        zt__write_unit_free(w, &image->units[i]);
+    zt__free(&w->memory, image->units, image->unit_count, sizeof *image->units);
+    zt__free(&w->memory, image->levels, image->record.levels, sizeof *image->levels);
+    image->units = NULL;
+    image->levels = NULL;
 }
 
 static zt_result fill_image(zt_writer *w, const zt_image_desc *desc, zt__write_image *image, zt_diag *diag) {
@@ -132,8 +153,9 @@ static zt_result fill_image(zt_writer *w, const zt_image_desc *desc, zt__write_i
     ZT_TRY(find_cover(image, diag));
     if (w->image_count >= w->limits.images)
         return zt__fail(diag, ZT_LIMIT, 0, ZT__NO_OFFSET, "more images than zt_limits.images");
-    ZT_TRY(make_levels(w, image, diag));
-    return make_units(w, image, diag);
+    ZT_TRY(zt__write_geometry(w, image, diag));
+    image->chooses_edge = zt__write_chooses_edge(w, image);
+    return ZT_OK;
 }
 
 static zt_result add_image(zt_writer *w, const zt_image_desc *desc, zt_diag *diag, uint32_t *out) {
@@ -154,13 +176,8 @@ static zt_result add_image(zt_writer *w, const zt_image_desc *desc, zt_diag *dia
 
 void zt__write_image_free(zt_writer *w, zt__write_image *image) {
     zt__write_rows_free(w, image);
-    for (uint32_t i = 0; image->units && i < image->unit_count; i++) {
-        zt__write_unit *u = &image->units[i];
-        zt__free(&w->memory, u->records, u->tile_count, sizeof *u->records);
-        zt__free(&w->memory, u->places, u->tile_count, sizeof *u->places);
-    }
-    zt__free(&w->memory, image->units, image->unit_count, sizeof *image->units);
-    zt__free(&w->memory, image->levels, image->record.levels, sizeof *image->levels);
+    zt__write_held_free(w, image);
+    zt__write_geometry_free(w, image);
     zt__free(&w->memory, image, 1, sizeof *image);
 }
 
@@ -250,9 +267,11 @@ static zt_result put_tile(zt_writer *w, uint32_t image, uint32_t level, uint64_t
     uint32_t size = 0;
     zt__sink sink = zt__write_sink(diag);
     ZT_TRY(check_stored(w, image, level, tile, &size, diag));
-    bool pred_allowed = w->images[image]->pred_allowed && level < w->images[image]->tail_level;
-    ZT_TRY(zt__write_verdict(diag, zt__check_tile(&sink, record, size, pred_allowed, ZT__NO_OFFSET)));
-    if (record->codec == ZT__CODEC_ZSTD)
+    const zt__tile_box any = {0};
+    zt__tile_form form = zt__tile_form_of(&w->images[image]->record, &any);
+    bool tail = level >= w->images[image]->tail_level;
+    ZT_TRY(zt__write_verdict(diag, zt__check_tile(&sink, record, size, tail ? NULL : &form, ZT__NO_OFFSET)));
+    if (record->codec == ZT__CODEC_ZSTD || record->codec == ZT__CODEC_FIELDS)
         ZT_TRY(zt__write_verdict(diag, zt__check_frame(&sink, data, record->stored_size, size, ZT__NO_OFFSET)));
     if (record->codec == ZT__CODEC_RAW && zt__hash(data, size) != record->hash)
         return zt__fail(diag, ZT_BAD_ARGUMENT, 5203, ZT__NO_OFFSET, "a raw tile does not have the hash given for it");

@@ -5,13 +5,14 @@ const uint8_t zt__magic[10] = {0xAB, 0x5A, 0x54, 0x45, 0x58, 0xBB, 0x0D, 0x0A, 0
 const uint8_t zt__head_magic[8] = {0xAB, 0x5A, 0x54, 0x63, 0x68, 0x6B, 0xBB, 0x0A};
 
 static const zt__chunk_type chunk_types[] = {
-    /* type, version, flags, compressible, repeats, required, rank */
-    {ZT__TEXS, 1, ZT__FLAG_CRITICAL, true, false, true, 0},
-    {ZT__IMAG, 1, ZT__FLAG_CRITICAL, true, false, true, 1},
-    {ZT__ZPMP, 1, ZT__FLAG_CRITICAL, false, true, false, 2},
-    {ZT__META, 1, ZT__FLAG_SAFE_TO_COPY, true, false, false, 3},
+    /* type, version, flags, compressible, repeats, required, rank, kind */
+    {ZT__TEXS, 1, ZT__FLAG_CRITICAL, true, false, true, 0, ZT_KIND_IMAGE},
+    {ZT__IMAG, 1, ZT__FLAG_CRITICAL, true, false, true, 1, ZT_KIND_IMAGE},
+    {ZT__ZPMP, 1, ZT__FLAG_CRITICAL, false, true, false, 2, ZT_KIND_ZIPMAP},
+    {ZT__SLMP, 1, ZT__FLAG_CRITICAL, false, true, false, 3, ZT_KIND_SILMAP},
+    {ZT__META, 1, ZT__FLAG_SAFE_TO_COPY, true, false, false, 4, ZT_KIND_IMAGE},
     /* unknown types: ZT__RANK_UNKNOWN */
-    {ZT__TEXL, 1, ZT__FLAG_CRITICAL, false, false, true, 5},
+    {ZT__TEXL, 1, ZT__FLAG_CRITICAL, false, false, true, 6, ZT_KIND_IMAGE},
 };
 
 const zt__chunk_type *zt__get_chunk_type(uint32_t i) {
@@ -21,6 +22,14 @@ const zt__chunk_type *zt__get_chunk_type(uint32_t i) {
 const zt__chunk_type *zt__find_chunk_type(uint32_t type) {
     for (size_t i = 0; i < sizeof chunk_types / sizeof chunk_types[0]; i++) {
         if (chunk_types[i].type == type)
+            return &chunk_types[i];
+    }
+    return NULL;
+}
+
+const zt__chunk_type *zt__find_payload_type(uint8_t kind) {
+    for (size_t i = 0; i < sizeof chunk_types / sizeof chunk_types[0]; i++) {
+        if (kind != ZT_KIND_IMAGE && chunk_types[i].kind == kind)
             return &chunk_types[i];
     }
     return NULL;

@@ -24,7 +24,8 @@ enum {
 enum {
     ZT__CODEC_RAW = 0,
     ZT__CODEC_ZSTD = 1,
-    ZT__CODEC_PRED = 2 /* number kept; registry.md */
+    ZT__CODEC_PRED = 2,  /* tiles of levels */
+    ZT__CODEC_FIELDS = 4 /* the same */
 };
 
 enum { ZT__FLAG_CRITICAL = 1, ZT__FLAG_SAFE_TO_COPY = 2 };
@@ -36,6 +37,7 @@ extern const uint8_t zt__head_magic[8];
 #define ZT__TEXS ZT__TYPE('T', 'E', 'X', 'S')
 #define ZT__IMAG ZT__TYPE('I', 'M', 'A', 'G')
 #define ZT__ZPMP ZT__TYPE('Z', 'P', 'M', 'P')
+#define ZT__SLMP ZT__TYPE('S', 'L', 'M', 'P')
 #define ZT__META ZT__TYPE('M', 'E', 'T', 'A')
 #define ZT__TEXL ZT__TYPE('T', 'E', 'X', 'L')
 
@@ -48,13 +50,16 @@ typedef struct zt__chunk_type {
     bool repeats;
     bool required;
     uint8_t rank; /* unknown types: ZT__RANK_UNKNOWN */
+    uint8_t kind; /* of the textures whose payload this is; ZT_KIND_IMAGE: it is none */
 } zt__chunk_type;
 
-enum { ZT__RANK_UNKNOWN = 4 };
+enum { ZT__RANK_UNKNOWN = 5 };
 
 const zt__chunk_type *zt__find_chunk_type(uint32_t type);
 /* The i-th row of the table, NULL behind the last. */
 const zt__chunk_type *zt__get_chunk_type(uint32_t i);
+/* The row of the payloads of a kind of textures; NULL: they have none. */
+const zt__chunk_type *zt__find_payload_type(uint8_t kind);
 
 /* Reads from or writes to a fixed structure, by a flag. */
 typedef struct zt__coder {

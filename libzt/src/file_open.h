@@ -40,8 +40,8 @@ typedef struct zt__texture {
     zt__texture_entry entry;
     const char *name;       /* NUL-terminated, in zt_file.names */
     uint32_t first_layer;   /* in zt_file.layers */
-    uint32_t payload_chunk; /* directory index of its ZPMP; ZT_NONE for images */
-    void *payload;          /* kind zipmap: zt__zipmap, made by texture.c; see zt__texture_hooks */
+    uint32_t payload_chunk; /* directory index; ZT_NONE for images */
+    void *payload;          /* zt__zipmap or zt__silmap, made by texture.c; see zt__texture_hooks */
 } zt__texture;
 
 typedef struct zt__metadata {
@@ -76,6 +76,16 @@ struct zt_file {
 
 /* Fills zero fields with the defaults of zt.h. */
 void zt__limits_fill(zt_limits *limits);
+
+/* What a payload may refer to, in a file that is read or written. */
+typedef struct zt__payload_scope {
+    uint32_t texture, layer_count; /* of its texture: own index, and layers */
+    uint8_t wrap_u, wrap_v;
+    uint32_t image_count;
+    const zt__image_record *(*image_of)(const void *user, uint32_t image); /* NULL: out of range */
+    uint32_t (*texture_layers)(const void *user, uint32_t texture);        /* layer count of an earlier texture */
+    const void *user;
+} zt__payload_scope;
 
 /* The layers above the file that open textures' payloads; file_open knows nothing of what they are. */
 typedef struct zt__payload_hooks {

@@ -169,7 +169,10 @@ static int sync_retrying(int fd) {
 }
 
 static zt_result sync_folder(const char *folder, zt_diag *diag) {
-    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd;
+    do {
+        fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    } while (fd < 0 && errno == EINTR);
     if (fd < 0)
         return zt__io_failed(diag, "opening the folder", folder, errno);
     int error = sync_retrying(fd) == 0 ? 0 : errno;

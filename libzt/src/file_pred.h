@@ -11,7 +11,8 @@
 enum {
     ZT__PRED_MAX_EDGE = 65536, /* texels of a row or column of a tile */
     ZT__PRED_MAX_EFFORT = 9,
-    ZT__PRED_DEFAULT_EFFORT = 5
+    ZT__PRED_DEFAULT_EFFORT = 5,
+    ZT__PRED_KERNELS = 6
 };
 
 /* What a tile holds: width x height texels of 1 to 4 channels of 1 or 2 bytes, 2-byte channels little-endian, rows
@@ -31,9 +32,13 @@ typedef struct zt__pred_kernel zt__pred_kernel;
 const zt__pred_kernel *zt__pred_kernel_c(void);
 /* NULL where the machine or the compiler has none. */
 const zt__pred_kernel *zt__pred_kernel_vector(void); /* SSE2, NEON, WASM: texels by vectors, samples one by one */
+const zt__pred_kernel *zt__pred_kernel_sse41(void);  /* samples by fours */
+const zt__pred_kernel *zt__pred_kernel_neon(void);
 const zt__pred_kernel *zt__pred_kernel_avx2(void);
 const zt__pred_kernel *zt__pred_kernel_avx512(void);
-/* The fastest that this machine runs. */
+/* All that this machine runs, plain C first, the fastest last. Returns how many. */
+uint32_t zt__pred_kernels(const zt__pred_kernel *out[ZT__PRED_KERNELS]);
+/* The fastest. */
 const zt__pred_kernel *zt__pred_kernel_best(void);
 
 /* Bytes of scratch memory that decoding wants: they depend on the shape alone. At most 100 KiB and 200 bytes a
@@ -46,6 +51,10 @@ size_t zt__pred_scratch_size(const zt__pred_shape *shape);
  * bytes, aligned as malloc does; its content does not matter. */
 uint32_t zt__pred_decode(const zt__pred_kernel *kernel, const zt__pred_shape *shape, const uint8_t *stored, size_t size,
                          void *scratch, uint8_t *dst, size_t dst_pitch);
+
+/* The same; *hash becomes that of the texels without what is between the rows, which are hashed while they are hot. */
+uint32_t zt__pred_decode_hashed(const zt__pred_kernel *kernel, const zt__pred_shape *shape, const uint8_t *stored,
+                                size_t size, void *scratch, uint8_t *dst, size_t dst_pitch, uint64_t *hash);
 
 /* Bytes of work memory that encoding wants. */
 size_t zt__pred_work_size(const zt__pred_shape *shape);

@@ -111,24 +111,6 @@ AVX2 static inline __m256i step8(const uint32_t *tables, uint32_t *states, __m25
     return entry;
 }
 
-/* With fewer than ZT__PRED_REACH bytes of words left, moves them to job->tail. Returns false when more than there were
- * have been used. */
-static bool words_left(zt__pred_job *job, const uint8_t **next) {
-    if (*next > job->end) {
-        job->exhausted = true;
-        job->next = job->end;
-        return false;
-    }
-    if (job->end == job->tail_end)
-        return true;
-    size_t n = (size_t)(job->end - *next);
-    memcpy(job->tail, *next, n);
-    memset(job->tail + n, 0, 2 * ZT__PRED_REACH - n);
-    *next = job->next = job->tail;
-    job->end = job->tail_end = job->tail + n;
-    return true;
-}
-
 /* The low bytes of 4 x 8 numbers, in order. */
 AVX2 static inline __m256i low_bytes(__m256i a, __m256i b, __m256i c, __m256i d) {
     const __m256i mask = _mm256_set1_epi32(255);
@@ -142,9 +124,8 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
     const uint32_t *base = job->tables;
     uint32_t *states = job->states, mask = job->lanes - 1, x = from;
     const __m256i numbers = _mm256_slli_epi16(_mm256_broadcastsi128_si256(load_half(map->numbers)), 3);
-    for (; mask >= 31 && to - x >= 32; x += 32) {
-        if (job->end - next < ZT__PRED_REACH && !words_left(job, &next))
-            return;
+    /* No call in this loop: the vectors would not stay in their registers. */
+    for (; mask >= 31 && to - x >= 32 && job->end - next >= ZT__PRED_REACH; x += 32) {
         uint32_t *s = states + (x & mask);
         __m256i low = _mm256_shuffle_epi8(numbers, _mm256_broadcastsi128_si256(load_half(acts + x)));
         __m256i high = _mm256_shuffle_epi8(numbers, _mm256_broadcastsi128_si256(load_half(acts + x + 16)));
@@ -155,7 +136,8 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
         store(out + x, low_bytes(a, b, c, d));
     }
     for (; to - x >= 8; x += 8) {
-        if (job->end - next < ZT__PRED_REACH && !words_left(job, &next))
+        next = zt__pred_words(job, next);
+        if (!next)
             return;
         __m128i act = _mm_loadl_epi64((const void *)(acts + x));
         __m256i first = _mm256_shuffle_epi8(numbers, _mm256_broadcastsi128_si256(act));
@@ -164,10 +146,14 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
     }
     job->next = next;
     if (next > job->end)
-        words_left(job, &next);
+        zt__pred_words(job, next);
     else if (x < to)
         zt__pred_symbols_c(job, map, out, x, to);
 }
+
+/* In a wave, row i is LAG columns behind the row above it: then what is above a texel is known a step early, and a step
+ * waits for its left neighbour alone. */
+enum { LAG = 2, WAVE = (ZT__PRED_STRIP - 1) * LAG };
 
 AVX2 static inline void transpose8(__m256i r[8]) {
     __m256i a[8], b[8];
@@ -196,31 +182,62 @@ AVX2 static inline void transpose4(__m256i r[4]) {
     r[3] = _mm256_permute2x128_si256(b, d, 0x31);
 }
 
-/* Residuals of 8 rows of 4-byte texels become values. One row is one column behind the row above it, so all that a
- * texel is predicted from is there: row i is lane i, and a step goes one column on. Left of a row all stays zero. */
-AVX2 static void wave8(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t width) {
+/* A strip of 4-byte texels. */
+typedef struct strip {
+    uint8_t *texels; /* 8 rows, first of residuals */
+    size_t pitch;
+    const uint8_t *top; /* the row above */
+    uint32_t width;
+    __m256i green; /* for a shuffle: bytes that are added when a texel is finished */
+    /* Steps of the wave from `from` to `to` - 1 finish texels and put them straight into rows at dst. */
+    uint32_t from, to;
+    uint8_t *dst;
+    size_t dst_pitch;
+} strip;
+
+AVX2 static inline __m256i add_green(__m256i texels, __m256i green) {
+    return _mm256_add_epi8(texels, _mm256_shuffle_epi8(texels, green));
+}
+
+/* One step of a wave for 8 columns of residuals, row i in r[i]: left is the values of the column before. */
+AVX2 static inline void restore_columns(__m256i r[8], const uint8_t *top, __m256i *left, __m256i *above,
+                                        __m256i *corner) {
     const __m256i down = _mm256_setr_epi32(7, 0, 1, 2, 3, 4, 5, 6);
-    __m256i left = _mm256_setzero_si256(), corner = left;
-    for (uint32_t x = 0; x < width + 7; x += 8) {
+    transpose8(r);
+    for (uint32_t i = 0; i < 8; i++) {
+        __m256i first = _mm256_castsi128_si256(_mm_loadu_si32(top + (size_t)i * 4));
+        __m256i up = _mm256_blend_epi32(*above, first, 1);
+        *above = _mm256_permutevar8x32_epi32(*left, down);
+        __m256i sum = _mm256_add_epi8(_mm256_add_epi8(*left, r[i]), up);
+        __m256i least = _mm256_min_epu8(*left, up), most = _mm256_max_epu8(*left, up);
+        *left = _mm256_sub_epi8(sum, _mm256_min_epu8(_mm256_max_epu8(*corner, least), most));
+        *corner = up;
+        r[i] = *left;
+    }
+    transpose8(r);
+}
+
+/* Residuals of 8 rows of 4-byte texels become values: row i is lane i, and a step goes one column on. Left of a row all
+ * stays zero. */
+AVX2 static void wave8(const strip *s) {
+    const __m256i green = s->green;
+    __m256i left = _mm256_setzero_si256(), corner = left, above = left;
+    for (uint32_t x = 0; x < s->width + WAVE; x += 8) {
         __m256i r[8];
-        uint8_t *at[8];
+        uint8_t *at[8], *to = s->dst + (size_t)x * 4;
         for (uint32_t i = 0; i < 8; i++) {
-            at[i] = texels + i * pitch + (size_t)x * 4 - i * 4;
+            at[i] = s->texels + i * s->pitch + (size_t)x * 4 - (size_t)i * (4 * LAG);
             r[i] = load(at[i]);
         }
-        transpose8(r);
-        for (uint32_t i = 0; i < 8; i++) {
-            __m256i first = _mm256_castsi128_si256(_mm_loadu_si32(top + (size_t)(x + i) * 4));
-            __m256i up = _mm256_blend_epi32(_mm256_permutevar8x32_epi32(left, down), first, 1);
-            __m256i sum = _mm256_add_epi8(_mm256_add_epi8(left, r[i]), up);
-            __m256i least = _mm256_min_epu8(left, up), most = _mm256_max_epu8(left, up);
-            left = _mm256_sub_epi8(sum, _mm256_min_epu8(_mm256_max_epu8(corner, least), most));
-            corner = up;
-            r[i] = left;
+        restore_columns(r, s->top + (size_t)x * 4, &left, &above, &corner);
+        if (x < s->from || x >= s->to) {
+            for (int i = 0; i < 8; i++)
+                store(at[i], r[i]);
+            continue;
         }
-        transpose8(r);
-        for (int i = 0; i < 8; i++)
-            store(at[i], r[i]);
+        for (uint32_t i = 0; i < 8; i++)
+            store(to + i * s->dst_pitch - (size_t)i * (4 * LAG), add_green(r[i], green));
+        store(at[7], r[7]); /* above the next strip */
     }
 }
 
@@ -245,17 +262,18 @@ AVX2 static inline void transpose_bytes(__m128i r[8]) {
 
 /* The same for the one byte plane of a tile with one channel. */
 AVX2 static void wave1(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t width) {
-    __m128i left = _mm_setzero_si128(), corner = left;
-    for (uint32_t x = 0; x < width + 7; x += 8) {
+    __m128i left = _mm_setzero_si128(), corner = left, above = left;
+    for (uint32_t x = 0; x < width + WAVE; x += 8) {
         __m128i r[8];
         uint8_t *at[8];
         for (uint32_t i = 0; i < 8; i++) {
-            at[i] = texels + i * pitch + x - i;
+            at[i] = texels + i * pitch + x - (size_t)i * LAG;
             r[i] = _mm_loadl_epi64((const void *)at[i]);
         }
         transpose_bytes(r);
         for (uint32_t i = 0; i < 8; i++) {
-            __m128i up = _mm_or_si128(_mm_slli_si128(left, 1), _mm_cvtsi32_si128(top[x + i]));
+            __m128i up = _mm_or_si128(above, _mm_cvtsi32_si128(top[x + i]));
+            above = _mm_slli_si128(left, 1);
             __m128i sum = _mm_add_epi8(_mm_add_epi8(left, r[i]), up);
             __m128i least = _mm_min_epu8(left, up), most = _mm_max_epu8(left, up);
             left = _mm_sub_epi8(sum, _mm_min_epu8(_mm_max_epu8(corner, least), most));
@@ -271,20 +289,23 @@ AVX2 static void wave1(uint8_t *texels, size_t pitch, const uint8_t *top, uint32
 /* The same for 8-byte texels: the upper 4 rows in one register, the lower 4 in another. */
 AVX2 static void wave16(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t width) {
     __m256i left[2] = {_mm256_setzero_si256(), _mm256_setzero_si256()}, corner[2] = {left[0], left[0]};
-    for (uint32_t x = 0; x < width + 7; x += 4) {
+    __m256i above[2] = {left[0], left[0]};
+    for (uint32_t x = 0; x < width + WAVE; x += 4) {
         __m256i r[8], up[2];
         uint8_t *at[8];
         for (uint32_t i = 0; i < 8; i++) {
-            at[i] = texels + i * pitch + (size_t)x * 8 - i * 8;
+            at[i] = texels + i * pitch + (size_t)x * 8 - (size_t)i * (8 * LAG);
             r[i] = load(at[i]);
         }
         transpose4(r);
         transpose4(r + 4);
         for (uint32_t i = 0; i < 4; i++) {
             __m256i first = _mm256_castsi128_si256(_mm_loadl_epi64((const void *)(top + (size_t)(x + i) * 8)));
-            up[0] = _mm256_blend_epi32(_mm256_permute4x64_epi64(left[0], 0x90), first, 3);
-            up[1] = _mm256_blend_epi32(_mm256_permute4x64_epi64(left[1], 0x90), _mm256_permute4x64_epi64(left[0], 0xFF),
-                                       3);
+            up[0] = _mm256_blend_epi32(above[0], first, 3);
+            up[1] = above[1];
+            above[0] = _mm256_permute4x64_epi64(left[0], 0x90);
+            above[1] = _mm256_blend_epi32(_mm256_permute4x64_epi64(left[1], 0x90),
+                                          _mm256_permute4x64_epi64(left[0], 0xFF), 3);
             for (int h = 0; h < 2; h++) {
                 __m256i sum = _mm256_add_epi16(_mm256_add_epi16(left[h], r[i + 4 * (uint32_t)h]), up[h]);
                 __m256i least = _mm256_min_epu16(left[h], up[h]), most = _mm256_max_epu16(left[h], up[h]);
@@ -363,26 +384,21 @@ AVX2 static void interleave16(const zt__pred_job *job, uint32_t row, uint8_t *te
 }
 
 /* A row of texels of 4 bytes to 2 to 4 bytes, with green added where colours are to be restored. */
-AVX2 static void finish8(const zt__pred_job *job, const uint8_t *texels, uint8_t *dst) {
+AVX2 static void finish8(const zt__pred_job *job, __m256i green, const uint8_t *texels, uint8_t *dst) {
     uint32_t n = job->shape.channels, width = job->shape.width, x = 0;
-    const int8_t none = job->colour ? 0 : -128;
-    const __m256i green = _mm256_or_si256(_mm256_setr_epi8(1, -128, 1, -128, 5, -128, 5, -128, 9, -128, 9, -128, 13,
-                                                           -128, 13, -128, 1, -128, 1, -128, 5, -128, 5, -128, 9, -128,
-                                                           9, -128, 13, -128, 13, -128),
-                                          _mm256_set1_epi8(none));
     const __m256i pack3 = _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -128, -128, -128, -128, 0, 1, 2, 4,
                                            5, 6, 8, 9, 10, 12, 13, 14, -128, -128, -128, -128);
     const __m256i pack2 = _mm256_setr_epi8(0, 1, 4, 5, 8, 9, 12, 13, 0, 1, 4, 5, 8, 9, 12, 13, 0, 1, 4, 5, 8, 9, 12, 13,
                                            0, 1, 4, 5, 8, 9, 12, 13);
     for (; width - x >= 8; x += 8) {
-        __m256i v = load(texels + (size_t)x * 4);
+        __m256i v = add_green(load(texels + (size_t)x * 4), green);
         uint8_t *at = dst + (size_t)x * n;
         if (n == 4) {
-            store(at, _mm256_add_epi8(v, _mm256_shuffle_epi8(v, green)));
+            store(at, v);
         } else if (n == 3) {
             if (width - x < 10) /* the second half writes 4 bytes too many */
                 break;
-            v = _mm256_shuffle_epi8(_mm256_add_epi8(v, _mm256_shuffle_epi8(v, green)), pack3);
+            v = _mm256_shuffle_epi8(v, pack3);
             _mm_storeu_si128((void *)at, _mm256_castsi256_si128(v));
             _mm_storeu_si128((void *)(at + 12), _mm256_extracti128_si256(v, 1));
         } else {
@@ -394,6 +410,16 @@ AVX2 static void finish8(const zt__pred_job *job, const uint8_t *texels, uint8_t
         const uint8_t *v = texels + (size_t)x * 4;
         for (uint32_t c = 0; c < n; c++)
             dst[(size_t)x * n + c] = (uint8_t)(v[c] + (job->colour && (c == 0 || c == 2) ? v[1] : 0));
+    }
+}
+
+/* Columns x to end - 1, at least 8, of a row of texels of 4 channels. */
+AVX2 static void finish_columns(const strip *s, uint32_t row, uint32_t x, uint32_t end) {
+    const uint8_t *from = s->texels + row * s->pitch;
+    uint8_t *to = s->dst + row * s->dst_pitch;
+    for (; x < end; x += 8) {
+        size_t at = 4 * (size_t)(end - x < 8 ? end - 8 : x);
+        store(to + at, add_green(load(from + at), s->green));
     }
 }
 
@@ -417,28 +443,137 @@ AVX2 static void finish16(const zt__pred_job *job, const uint8_t *texels, uint8_
 }
 
 /* A strip with fewer than 8 rows is restored as one of 8, the rest being whatever was there. */
+AVX2 static void restore8(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
+    const int8_t none = job->colour ? 0 : -128;
+    const __m256i green = _mm256_setr_epi8(1, -128, 1, -128, 5, -128, 5, -128, 9, -128, 9, -128, 13, -128, 13, -128, 1,
+                                           -128, 1, -128, 5, -128, 5, -128, 9, -128, 9, -128, 13, -128, 13, -128);
+    strip s = {job->texels, job->texel_pitch, job->top, job->shape.width, green, 0, 0, dst, dst_pitch};
+    s.green = _mm256_or_si256(green, _mm256_set1_epi8(none));
+    bool straight = job->shape.channels == 4 && rows == ZT__PRED_STRIP && s.width >= 64;
+    if (straight) { /* 8 columns at each end of each row are left, so that no vector goes beyond them */
+        s.from = (WAVE + 8 + 7) & ~7u;
+        s.to = (s.width - 8) & ~7u;
+    }
+    for (uint32_t i = 0; i < rows; i++)
+        interleave8(job, i, s.texels + i * s.pitch);
+    wave8(&s);
+    for (uint32_t i = 0; i < rows; i++) {
+        if (straight) {
+            finish_columns(&s, i, 0, s.from - LAG * i);
+            finish_columns(&s, i, s.to - LAG * i, s.width);
+        } else {
+            finish8(job, s.green, s.texels + i * s.pitch, dst + i * dst_pitch);
+        }
+    }
+    memcpy(job->top, s.texels + (ZT__PRED_STRIP - 1) * s.pitch, (size_t)s.width * 4);
+}
+
+static void restore_one(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
+    size_t width = job->shape.width;
+    for (uint32_t i = 0; i < rows; i++)
+        memcpy(job->texels + i * job->texel_pitch, job->residuals[0] + i * job->pitch, width);
+    wave1(job->texels, job->texel_pitch, job->top, job->shape.width);
+    for (uint32_t i = 0; i < rows; i++)
+        memcpy(dst + i * dst_pitch, job->texels + i * job->texel_pitch, width);
+    memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, width);
+}
+
 static void restore_avx2(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
-    bool wide = job->shape.channel_bytes == 2;
     if (job->planes == 1) {
-        for (uint32_t i = 0; i < rows; i++)
-            memcpy(job->texels + i * job->texel_pitch, job->residuals[0] + i * job->pitch, job->shape.width);
-        wave1(job->texels, job->texel_pitch, job->top, job->shape.width);
-        for (uint32_t i = 0; i < rows; i++)
-            memcpy(dst + i * dst_pitch, job->texels + i * job->texel_pitch, job->shape.width);
-        memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, job->shape.width);
+        restore_one(job, rows, dst, dst_pitch);
+        return;
+    }
+    if (job->shape.channel_bytes == 1) {
+        restore8(job, rows, dst, dst_pitch);
         return;
     }
     for (uint32_t i = 0; i < rows; i++)
-        (wide ? interleave16 : interleave8)(job, i, job->texels + i * job->texel_pitch);
-    (wide ? wave16 : wave8)(job->texels, job->texel_pitch, job->top, job->shape.width);
+        interleave16(job, i, job->texels + i * job->texel_pitch);
+    wave16(job->texels, job->texel_pitch, job->top, job->shape.width);
     for (uint32_t i = 0; i < rows; i++)
-        (wide ? finish16 : finish8)(job, job->texels + i * job->texel_pitch, dst + i * dst_pitch);
-    memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, (size_t)job->shape.width * (wide ? 8 : 4));
+        finish16(job, job->texels + i * job->texel_pitch, dst + i * dst_pitch);
+    memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, (size_t)job->shape.width * 8);
 }
 
-/* One sample of 16 lanes. */
-AVX512 static inline __m512i step16(const uint32_t *tables, uint32_t *states, __m128i numbers, const uint8_t **next) {
-    __m512i state = _mm512_loadu_si512(states);
+/* What comes to the third byte of 8 texels of 4 bytes. A float holds s exactly, and the root of a whole number that is
+ * no square is further from the next whole number than a float errs: what is cut off is right in every rounding mode. */
+AVX2 static inline __m256i slopes8(__m256i texels) {
+    const __m256i order = _mm256_setr_epi8(0, -128, 1, -128, 4, -128, 5, -128, 8, -128, 9, -128, 12, -128, 13, -128, 0,
+                                           -128, 1, -128, 4, -128, 5, -128, 8, -128, 9, -128, 12, -128, 13, -128);
+    __m256i xy = _mm256_slli_epi16(_mm256_shuffle_epi8(texels, order), 1);
+    xy = _mm256_sub_epi16(xy, _mm256_set1_epi16(255));
+    __m256i s = _mm256_sub_epi32(_mm256_set1_epi32(255 * 255), _mm256_madd_epi16(xy, xy));
+    s = _mm256_max_epi32(s, _mm256_setzero_si256());
+    __m256i root = _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(s)));
+    return _mm256_slli_epi32(_mm256_srli_epi32(_mm256_add_epi32(root, _mm256_set1_epi32(256)), 1), 16);
+}
+
+/* 8 texels of 4 bytes; or of 3, of 28 bytes that may be read. */
+AVX2 static inline void add_slopes8(uint8_t *texels, uint32_t channels) {
+    const __m256i pack3 = _mm256_setr_epi8(-128, -128, 2, -128, -128, 6, -128, -128, 10, -128, -128, 14, -128, -128,
+                                           -128, -128, -128, -128, 2, -128, -128, 6, -128, -128, 10, -128, -128, 14,
+                                           -128, -128, -128, -128);
+    const __m256i spread3 = _mm256_setr_epi8(0, 1, 2, -128, 3, 4, 5, -128, 6, 7, 8, -128, 9, 10, 11, -128, 0, 1, 2,
+                                             -128, 3, 4, 5, -128, 6, 7, 8, -128, 9, 10, 11, -128);
+    if (channels == 4) {
+        __m256i v = load(texels);
+        store(texels, _mm256_add_epi8(v, slopes8(v)));
+        return;
+    }
+    __m256i v = _mm256_inserti128_si256(_mm256_castsi128_si256(load_half(texels)), load_half(texels + 12), 1);
+    v = _mm256_add_epi8(v, _mm256_shuffle_epi8(slopes8(_mm256_shuffle_epi8(v, spread3)), pack3));
+    for (int i = 0; i < 2; i++) { /* no byte that the next step loads: that would have to wait */
+        __m128i half = i ? _mm256_extracti128_si256(v, 1) : _mm256_castsi256_si128(v);
+        _mm_storel_epi64((void *)(texels + 12 * i), half);
+        _mm_storeu_si32(texels + 12 * i + 8, _mm_unpackhi_epi64(half, half));
+    }
+}
+
+AVX2 static void add_slopes_avx2(uint8_t *texels, uint32_t channels, uint32_t width) {
+    uint8_t rest[32] = {0};
+    uint32_t x = 0, n = channels == 3 ? 10 : 8; /* as many have the bytes that are read */
+    for (; width - x >= n; x += 8, texels += 8 * (size_t)channels)
+        add_slopes8(texels, channels);
+    while (x < width) {
+        uint32_t some = width - x < 8 ? width - x : 8;
+        memcpy(rest, texels, (size_t)some * channels);
+        add_slopes8(rest, channels);
+        memcpy(texels, rest, (size_t)some * channels);
+        x += some;
+        texels += (size_t)some * channels;
+    }
+}
+
+/* As select_avx2, up to 63 bytes behind the width. */
+AVX512 static void select_avx512(const uint8_t *above, const uint8_t *beside, const uint8_t *high, uint8_t *acts,
+                                 uint32_t width) {
+    const __m512i most = _mm512_set1_epi8(high ? ZT__PRED_ACTS - 2 : ZT__PRED_ACTS - 1);
+    for (uint32_t x = 0; x < width; x += 64) {
+        __m512i act = _mm512_avg_epu8(_mm512_loadu_si512(above + x - 1), _mm512_loadu_si512(above + x + 1));
+        act = _mm512_avg_epu8(act, _mm512_loadu_si512(above + x));
+        if (beside)
+            act = _mm512_avg_epu8(act, _mm512_loadu_si512(beside + x));
+        act = _mm512_min_epu8(act, most);
+        if (high) {
+            __m512i h = _mm512_loadu_si512(high + x);
+            act = _mm512_mask_mov_epi8(act, _mm512_test_epi8_mask(h, h), _mm512_set1_epi8(ZT__PRED_ACTS - 1));
+        }
+        _mm512_storeu_si512(acts + x, act);
+    }
+}
+
+AVX512 static void measure_avx512(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width) {
+    if (high) {
+        measure_avx2(high, low, out, width);
+        return;
+    }
+    for (uint32_t x = 0; x < width; x += 64)
+        _mm512_storeu_si512(out + x, _mm512_abs_epi8(_mm512_loadu_si512(low + x)));
+}
+
+/* One sample of 16 lanes. numbers: of their tables. Returns the low bytes of the table entries. */
+AVX512 static inline __m128i step16(const uint32_t *tables, __m512i *states, __m128i numbers, const uint8_t **next) {
+    __m512i state = *states;
     __m512i slot = _mm512_and_si512(state, _mm512_set1_epi32(ZT__PRED_SLOTS - 1));
     __m512i table = _mm512_slli_epi32(_mm512_cvtepu8_epi32(numbers), ZT__PRED_BITS);
     __m512i entry = _mm512_i32gather_epi32(_mm512_or_si512(slot, table), tables, 4);
@@ -448,38 +583,62 @@ AVX512 static inline __m512i step16(const uint32_t *tables, uint32_t *states, __
     __mmask16 need = _mm512_cmplt_epu32_mask(state, _mm512_set1_epi32(ZT__PRED_LOW));
     __m512i words = _mm512_cvtepu16_epi32(_mm256_loadu_si256((const void *)*next));
     state = _mm512_mask_slli_epi32(state, need, state, 16);
-    state = _mm512_or_si512(state, _mm512_maskz_expand_epi32(need, words));
-    _mm512_storeu_si512(states, state);
+    *states = _mm512_or_si512(state, _mm512_maskz_expand_epi32(need, words));
     *next += 2 * (size_t)(uint32_t)__builtin_popcount(need);
-    return entry;
+    return _mm512_cvtepi32_epi8(entry);
+}
+
+/* As many samples of all 64 lanes as words are there for. Returns where it ends. */
+AVX512 static uint32_t symbols64(zt__pred_job *job, __m128i numbers, uint8_t *out, uint32_t x, uint32_t to) {
+    const uint8_t *next = job->next, *acts = job->acts;
+    __m512i states[4];
+    for (int i = 0; i < 4; i++)
+        states[i] = _mm512_loadu_si512(job->states + 16 * i);
+    for (; to - x >= 64 && job->end - next >= 2 * ZT__PRED_REACH; x += 64) {
+        __m128i bytes[4];
+        bytes[0] = step16(job->tables, &states[0], _mm_shuffle_epi8(numbers, load_half(acts + x)), &next);
+        bytes[1] = step16(job->tables, &states[1], _mm_shuffle_epi8(numbers, load_half(acts + x + 16)), &next);
+        bytes[2] = step16(job->tables, &states[2], _mm_shuffle_epi8(numbers, load_half(acts + x + 32)), &next);
+        bytes[3] = step16(job->tables, &states[3], _mm_shuffle_epi8(numbers, load_half(acts + x + 48)), &next);
+        for (int i = 0; i < 4; i++)
+            _mm_storeu_si128((void *)(out + x + 16 * i), bytes[i]);
+    }
+    for (int i = 0; i < 4; i++)
+        _mm512_storeu_si512(job->states + 16 * i, states[i]);
+    job->next = next;
+    return x;
 }
 
 AVX512 static void symbols_avx512(zt__pred_job *job, const zt__pred_map *map, uint8_t *out, uint32_t from,
                                   uint32_t to) {
-    const uint8_t *next = job->next, *acts = job->acts;
-    uint32_t *states = job->states, mask = job->lanes - 1, x = from;
     const __m128i numbers = load_half(map->numbers);
+    uint32_t mask = job->lanes - 1, x = job->lanes == 64 ? symbols64(job, numbers, out, from, to) : from;
+    const uint8_t *next = job->next, *acts = job->acts;
     for (; to - x >= 16; x += 16) {
-        if (job->end - next < ZT__PRED_REACH && !words_left(job, &next))
+        next = zt__pred_words(job, next);
+        if (!next)
             return;
-        __m128i tables = _mm_shuffle_epi8(numbers, load_half(acts + x));
-        __m512i entry = step16(job->tables, states + (x & mask), tables, &next);
-        _mm_storeu_si128((void *)(out + x), _mm512_cvtepi32_epi8(entry));
+        __m512i states = _mm512_loadu_si512(job->states + (x & mask));
+        _mm_storeu_si128((void *)(out + x),
+                         step16(job->tables, &states, _mm_shuffle_epi8(numbers, load_half(acts + x)), &next));
+        _mm512_storeu_si512(job->states + (x & mask), states);
     }
     job->next = next;
     if (next > job->end)
-        words_left(job, &next);
+        zt__pred_words(job, next);
     else if (x < to)
         zt__pred_symbols_c(job, map, out, x, to);
 }
 
 const zt__pred_kernel *zt__pred_kernel_avx2(void) {
-    static const zt__pred_kernel kernel = {"avx2", select_avx2, symbols_avx2, measure_avx2, restore_avx2};
+    static const zt__pred_kernel kernel = {"avx2",       select_avx2,  symbols_avx2,
+                                           measure_avx2, restore_avx2, add_slopes_avx2};
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt") ? &kernel : NULL;
 }
 
 const zt__pred_kernel *zt__pred_kernel_avx512(void) {
-    static const zt__pred_kernel kernel = {"avx512", select_avx2, symbols_avx512, measure_avx2, restore_avx2};
+    static const zt__pred_kernel kernel = {"avx512",       select_avx512, symbols_avx512,
+                                           measure_avx512, restore_avx2,  add_slopes_avx2};
     bool ok = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
               __builtin_cpu_supports("avx512vl") && zt__pred_kernel_avx2() != NULL;
     return ok ? &kernel : NULL;

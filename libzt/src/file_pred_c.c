@@ -2,6 +2,8 @@
 /* The decoder's loops in plain C (file_pred.h): the reference of the vector paths. No branch depends on a sample. */
 #include "file_pred_job.h"
 
+#include <string.h>
+
 #include "base_bytes.h"
 
 static inline uint8_t average(uint8_t a, uint8_t b) {
@@ -65,6 +67,22 @@ void zt__pred_symbols_c(zt__pred_job *job, const zt__pred_map *map, uint8_t *res
     symbols_at_end(job, map, out, from, to);
 }
 
+bool zt__pred_words_left(zt__pred_job *job, const uint8_t **next) {
+    if (*next > job->end) {
+        job->exhausted = true;
+        job->next = job->end;
+        return false;
+    }
+    if (job->end == job->tail_end)
+        return true;
+    size_t n = (size_t)(job->end - *next);
+    memcpy(job->tail, *next, n);
+    memset(job->tail + n, 0, 2 * ZT__PRED_REACH - n);
+    *next = job->next = job->tail;
+    job->end = job->tail_end = job->tail + n;
+    return true;
+}
+
 /* Bit lengths of low and of high bytes. */
 #define ROW16(n) n, n, n, n, n, n, n, n, n, n, n, n, n, n, n, n
 #define LENGTHS(add, none)                                                                                            \
@@ -83,86 +101,144 @@ void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *out, u
     }
 }
 
-/* left + up - corner, but between left and up. */
-static inline int32_t median(int32_t left, int32_t up, int32_t corner) {
-    int32_t least = left < up ? left : up, most = left < up ? up : left;
-    int32_t p = left + up - corner;
-    p = p < least ? least : p;
-    return p > most ? most : p;
+/* Texels are restored in a field of steps. Row i of the strip is LAG columns behind the row above it: its column x is
+ * in slot i + 1 of step x + LAG x i, and that of the row above the strip in slot 0 of step x - LAG. So what a texel is
+ * predicted from is in the steps before: to the left one step, above two, above to the left three. All slots of a step
+ * can be restored at once, and compilers make vectors of that. */
+enum { LAG = 2, SLOTS = ZT__PRED_STRIP + 1, BEFORE = LAG + 1, BEHIND = LAG * (ZT__PRED_STRIP - 1) };
+
+/* Where column 0 of row i begins, in texels; the next one is SLOTS behind. Row -1 is the one above the strip. */
+static inline size_t place_of(int32_t i) {
+    return (size_t)((BEFORE + LAG * i) * SLOTS + i + 1);
 }
 
-/* The residual of channel c, which is the j-th coded, at column x. */
-static inline int32_t residual(const uint8_t *const *rows, uint32_t j, uint32_t x, uint32_t channel_bytes) {
-    if (channel_bytes == 1)
-        return rows[j][x];
-    uint32_t z = (uint32_t)rows[2 * j][x] << 8 | rows[2 * j + 1][x];
-    return (int32_t)((z >> 1) ^ (0 - (z & 1)));
-}
+/* Residuals in the field become values. n: numbers in a texel, a constant where this is inlined. */
+#define RESTORE(name, type)                                                                      \
+    static inline void name(type *field, uint32_t n, uint32_t width) {                           \
+        const size_t step = (size_t)SLOTS * n;                                                   \
+        type *at = field + BEFORE * step;                                                        \
+        for (uint32_t x = 0; x < width + BEHIND; x++, at += step) {                              \
+            type *slots = at + n;                                                                \
+            const type *lefts = slots - step, *aboves = at - 2 * step, *corners = at - 3 * step; \
+            for (uint32_t i = 0; i < ZT__PRED_STRIP * n; i++) {                                  \
+                type left = lefts[i], above = aboves[i], corner = corners[i];                    \
+                type least = left < above ? left : above, most = left < above ? above : left;    \
+                corner = corner < least ? least : corner;                                        \
+                corner = corner > most ? most : corner;                                          \
+                slots[i] = (type)(slots[i] + left + above - corner);                             \
+            }                                                                                    \
+        }                                                                                        \
+    }
+RESTORE(restore_steps8, uint8_t)
+RESTORE(restore_steps16, uint16_t)
 
-static inline void put(uint8_t *dst, uint32_t c, uint32_t channel_bytes, int32_t v) {
-    if (channel_bytes == 1)
-        dst[c] = (uint8_t)v;
-    else
-        zt__store16(dst + 2 * c, (uint16_t)v);
-}
-
-/* A row of texels. lines: the values of each channel in the row above, which become this row's. The last two arguments
- * are constants where this is inlined. An alpha channel that is not coded is the same everywhere: it does not move. */
-static inline void restore_row(const zt__pred_job *job, const uint8_t *const *rows, uint16_t *restrict line,
-                               uint8_t *restrict dst, uint32_t channels, uint32_t moving, uint32_t channel_bytes) {
-    const int32_t range = channel_bytes == 1 ? 0xFF : 0xFFFF, colour = 0 - (int32_t)job->colour;
-    int32_t left[4] = {0}, corner[4] = {0};
-    const uint8_t *still = job->first + (channels - 1) * channel_bytes;
-    for (uint32_t x = 0; x < job->shape.width; x++) {
-        for (uint32_t j = 0; j < moving; j++) {
-            uint32_t c = zt__pred_channel(channels, j);
-            int32_t up = line[c];
-            left[c] = (median(left[c], up, corner[c]) + residual(rows, j, x, channel_bytes)) & range;
-            corner[c] = up;
-            line[c] = (uint16_t)left[c];
-        }
-        if (channels >= 3) {
-            put(dst, 0, channel_bytes, left[0] + (left[1] & colour));
-            put(dst, 1, channel_bytes, left[1]);
-            put(dst, 2, channel_bytes, left[2] + (left[1] & colour));
-        }
-        for (uint32_t c = channels >= 3 ? 3 : 0; c < moving; c++)
-            put(dst, c, channel_bytes, left[c]);
-        for (uint32_t i = 0; moving < channels && i < channel_bytes; i++)
-            dst[(channels - 1) * channel_bytes + i] = still[i];
-        line += 4;
-        dst += channels * channel_bytes;
+/* The last row of a strip becomes the one above the next, and left of all rows there are zeros. */
+static inline void next_strip(uint8_t *field, size_t texel_bytes, uint32_t width) {
+    const size_t step = SLOTS * texel_bytes;
+    uint8_t *above = field + place_of(-1) * texel_bytes;
+    const uint8_t *last = field + place_of(ZT__PRED_STRIP - 1) * texel_bytes;
+    for (uint32_t x = 0; x < width; x++, above += step, last += step)
+        memcpy(above, last, texel_bytes);
+    for (size_t i = 0; i < BEFORE + BEHIND; i++) {
+        bool first = i < BEFORE - LAG; /* no row has begun */
+        memset(field + i * step + (first ? 0 : texel_bytes), 0, step - (first ? 0 : texel_bytes));
     }
 }
-/* restore_row with constants. */
-#define ROW(channels, moving, channel_bytes) restore_row(job, residuals, line, dst, channels, moving, channel_bytes)
+
+/* The rows of residuals of each channel in memory; the high bytes of 2-byte channels. lows: the low ones. */
+static void channel_rows(const zt__pred_job *job, uint32_t i, const uint8_t *highs[4], const uint8_t *lows[4]) {
+    uint32_t bytes = job->shape.channel_bytes;
+    for (uint32_t c = 0; c < 4; c++)
+        highs[c] = lows[c] = job->none;
+    for (uint32_t j = 0; j < job->shape.channels; j++) {
+        uint32_t c = zt__pred_channel(job->shape.channels, j);
+        highs[c] = job->residuals[j * bytes] + i * job->pitch;
+        lows[c] = job->residuals[(j + 1) * bytes - 1] + i * job->pitch;
+    }
+}
+
+static inline void restore8(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
+    uint8_t *field = job->texels;
+    uint32_t width = job->shape.width, channels = job->shape.channels;
+    const uint8_t green = job->colour ? 255 : 0;
+    next_strip(field, n, width);
+    const uint8_t *row[4], *same[4];
+    uint8_t *slot = field + place_of(0) * n;
+    channel_rows(job, 0, row, same);
+    /* Step by step. A row is read from its margin on, where zeros are. */
+    for (uint32_t x = 0; x < width + BEHIND; x++, slot += n) {
+        size_t from = x;
+        for (uint32_t i = 0; i < ZT__PRED_STRIP; i++, slot += n, from += job->pitch - LAG) {
+            for (uint32_t c = 0; n < 4 && c < n; c++)
+                slot[c] = row[c][from];
+            if (n == 4)
+                zt__store32(slot, row[0][from] | (uint32_t)row[1][from] << 8 | (uint32_t)row[2][from] << 16 |
+                                      (uint32_t)row[3][from] << 24);
+        }
+    }
+    restore_steps8(field, n, width);
+    for (uint32_t i = 0; i < rows; i++) {
+        const uint8_t *at = field + place_of((int32_t)i) * n;
+        uint8_t *to = dst + i * dst_pitch;
+        for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n, to += channels) {
+            uint32_t v = n == 4 ? zt__load32(at) : 0, g = v >> 8 & green;
+            uint32_t even = (v & 0xFF00FF) + (g | g << 16);
+            v = (v & 0xFF00FF00) | (even & 0xFF00FF);
+            for (uint32_t c = 0; n < 4 && c < n; c++)
+                to[c] = at[c];
+            if (n == 4 && channels == 4)
+                zt__store32(to, v);
+            for (uint32_t c = 0; n == 4 && channels == 3 && c < 3; c++)
+                to[c] = (uint8_t)(v >> 8 * c);
+        }
+    }
+}
+
+static inline void restore16(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
+    void *texels = job->texels; /* aligned for any number */
+    uint16_t *field = texels;
+    uint32_t width = job->shape.width, channels = job->shape.channels;
+    const uint16_t green = job->colour ? 0xFFFF : 0;
+    next_strip(texels, 2 * n, width);
+    for (uint32_t i = 0; i < rows; i++) {
+        const uint8_t *highs[4], *lows[4];
+        channel_rows(job, i, highs, lows);
+        for (uint32_t c = 0; c < n; c++) {
+            uint16_t *at = field + place_of((int32_t)i) * n + c;
+            for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n) {
+                uint32_t z = (uint32_t)highs[c][x] << 8 | lows[c][x];
+                *at = (uint16_t)((z >> 1) ^ (0 - (z & 1)));
+            }
+        }
+    }
+    restore_steps16(field, n, width);
+    for (uint32_t i = 0; i < rows; i++) {
+        const uint16_t *at = field + place_of((int32_t)i) * n;
+        uint8_t *to = dst + i * dst_pitch;
+        for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n, to += 2 * (size_t)channels)
+            for (uint32_t c = 0; c < channels; c++) {
+                uint16_t more = n == 4 && (c == 0 || c == 2) ? at[n == 4 ? 1 : 0] & green : 0;
+                zt__store16(to + 2 * (size_t)c, (uint16_t)(at[c] + more));
+            }
+    }
+}
 
 void zt__pred_restore_c(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
-    uint32_t n = job->shape.channels, bytes = job->shape.channel_bytes;
-    bool still = n == 4 && job->coded >> 3 * bytes == 0;
-    void *texels = job->texels; /* room for more than one row of 16-bit values */
-    uint16_t *line = texels;
-    const uint8_t *residuals[ZT__PRED_PLANES];
-    for (uint32_t k = 0; k < job->planes; k++)
-        residuals[k] = job->residuals[k];
-    for (uint32_t i = 0; i < rows; i++, dst += dst_pitch) {
-        if (bytes == 1 && n == 4)
-            still ? ROW(4, 3, 1) : ROW(4, 4, 1);
-        else if (bytes == 1 && n == 3)
-            ROW(3, 3, 1);
-        else if (bytes == 1)
-            n == 2 ? ROW(2, 2, 1) : ROW(1, 1, 1);
-        else if (n == 4)
-            still ? ROW(4, 3, 2) : ROW(4, 4, 2);
-        else
-            ROW(n, n, 2);
-        for (uint32_t k = 0; k < job->planes; k++)
-            residuals[k] += job->pitch;
+    bool wide = job->shape.channel_bytes == 2;
+    switch (job->shape.channels) {
+    case 1:
+        wide ? restore16(job, rows, dst, dst_pitch, 1) : restore8(job, rows, dst, dst_pitch, 1);
+        break;
+    case 2:
+        wide ? restore16(job, rows, dst, dst_pitch, 2) : restore8(job, rows, dst, dst_pitch, 2);
+        break;
+    default:
+        wide ? restore16(job, rows, dst, dst_pitch, 4) : restore8(job, rows, dst, dst_pitch, 4);
     }
 }
 
 const zt__pred_kernel *zt__pred_kernel_c(void) {
-    static const zt__pred_kernel kernel = {"c", zt__pred_select_c, zt__pred_symbols_c, zt__pred_measure_c,
-                                           zt__pred_restore_c};
+    static const zt__pred_kernel kernel = {
+        "c", zt__pred_select_c, zt__pred_symbols_c, zt__pred_measure_c, zt__pred_restore_c, NULL};
     return &kernel;
 }

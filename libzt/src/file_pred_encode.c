@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Encoding of predicted tiles (file_pred.h). Everything that decides bytes is an integer. */
-#include "file_pred_model.h"
-
 #include <string.h>
 
 #include "base_bytes.h"
+#include "file_pred_frame.h"
+#include "file_pred_model.h"
 
-enum { ALIGNMENT = 64, MAP_BYTES = ZT__PRED_ACTS / 2 };
+enum { ALIGNMENT = 64, TRANSFORMS = 3 };
+
+static const uint8_t transforms[TRANSFORMS] = {0, ZT__PRED_COLOUR, ZT__PRED_NORMAL};
 
 /* One symbol for the coder: x becomes (x / f) << 11 | first slot + x % f, the division by multiplying. */
 typedef struct symbol {
@@ -19,7 +21,9 @@ typedef struct symbol {
 typedef struct encoding {
     zt__pred_shape shape;
     uint32_t planes, coded, lanes, effort;
-    bool colour, zeros;
+    uint32_t transform; /* ZT__PRED_COLOUR, ZT__PRED_NORMAL or 0 */
+    bool zeros;
+    uint8_t slopes[ZT__PRED_SLOPES];
     uint8_t first[ZT__PRED_PLANES];
     size_t pitch, plane_size;
     uint8_t *residuals[ZT__PRED_PLANES], *acts[ZT__PRED_PLANES]; /* rows without margins, zero up to the pitch */
@@ -87,10 +91,9 @@ static void place(encoding *e, void *work) {
     e->words_end = at + (size_t)e->planes * shape->width * shape->height * 2;
 }
 
-/* values[1] becomes row y, one array for each channel, colours subtracted where they are. */
-static void load_row(encoding *e, uint32_t y, bool colour) {
+/* The channels of a row in values[1], one array each. */
+static void split_row(encoding *e, const uint8_t *src) {
     uint32_t n = e->shape.channels, w = e->shape.width;
-    const uint8_t *src = e->src + y * e->src_pitch;
     for (uint32_t c = 0; c < n; c++)
         if (e->shape.channel_bytes == 1) {
             uint8_t *v = e->values[1][c];
@@ -102,17 +105,30 @@ static void load_row(encoding *e, uint32_t y, bool colour) {
             for (uint32_t x = 0; x < w; x++)
                 v[x] = zt__load16(src + 2 * (size_t)(x * n + c));
         }
-    for (uint32_t c = 0; colour && c < 3; c += 2)
+}
+
+static void subtract_green(encoding *e) {
+    for (uint32_t c = 0; c < 3; c += 2)
         if (e->shape.channel_bytes == 1) {
             uint8_t *v = e->values[1][c], *g = e->values[1][1];
-            for (uint32_t x = 0; x < w; x++)
+            for (uint32_t x = 0; x < e->shape.width; x++)
                 v[x] = (uint8_t)(v[x] - g[x]);
         } else {
             void *p = e->values[1][c], *q = e->values[1][1];
             uint16_t *v = p, *g = q;
-            for (uint32_t x = 0; x < w; x++)
+            for (uint32_t x = 0; x < e->shape.width; x++)
                 v[x] = (uint16_t)(v[x] - g[x]);
         }
+}
+
+/* values[1] becomes row y, one array for each channel, transformed. */
+static void load_row(encoding *e, uint32_t y, uint32_t transform) {
+    split_row(e, e->src + y * e->src_pitch);
+    if (transform == ZT__PRED_COLOUR)
+        subtract_green(e);
+    uint8_t *const *v = e->values[1];
+    for (uint32_t x = 0; transform == ZT__PRED_NORMAL && x < e->shape.width; x++)
+        v[2][x] = (uint8_t)(v[2][x] - zt__pred_slope(e->slopes, v[0][x], v[1][x]));
 }
 
 static void predict8(const uint8_t *above, const uint8_t *row, uint8_t *residual, uint32_t width) {
@@ -162,8 +178,8 @@ static void clear_rows(encoding *e, uint8_t *rows[2][4]) {
             memset(rows[i][c] - ZT__PRED_MARGIN, 0, line_size(&e->shape));
 }
 
-/* What the red and blue planes of every step-th row cost with one table a plane. */
-static uint64_t colour_cost(encoding *e, bool colour, uint32_t step) {
+/* What the channels 0 and 2 of every step-th row cost with one table a plane. */
+static uint64_t transform_cost(encoding *e, uint32_t transform, uint32_t step) {
     const uint32_t bytes = e->shape.channel_bytes;
     zt__pred_counts *counts = e->model->counts;
     uint8_t *high = e->row, *low = e->row + e->shape.width;
@@ -172,10 +188,10 @@ static uint64_t colour_cost(encoding *e, bool colour, uint32_t step) {
     clear_rows(e, e->values);
     for (uint32_t y = zt__min32(step - 1, e->shape.height - 1); y < e->shape.height; y += step) {
         if (y > 0) {
-            load_row(e, y - 1, colour);
+            load_row(e, y - 1, transform);
             swap_rows(e->values);
         }
-        load_row(e, y, colour);
+        load_row(e, y, transform);
         for (uint32_t c = 0; c < 3; c += 2) {
             predict(e, c, high, low);
             for (uint32_t x = 0; x < e->shape.width; x++)
@@ -223,13 +239,13 @@ static void transform_row(encoding *e, const zt__pred_kernel *kernel, uint32_t y
     kernel->select(above, beside, high, e->acts[(j + 1) * bytes - 1] + y * e->pitch, w);
 }
 
-static void transform(encoding *e, const zt__pred_kernel *kernel) {
+static void transform_rows(encoding *e, const zt__pred_kernel *kernel) {
     clear_rows(e, e->values);
     clear_rows(e, e->magnitudes);
-    load_row(e, 0, e->colour);
+    load_row(e, 0, e->transform);
     take_first(e);
     for (uint32_t y = 0; y < e->shape.height; y++) {
-        load_row(e, y, e->colour);
+        load_row(e, y, e->transform);
         for (uint32_t j = 0; j < e->shape.channels; j++)
             transform_row(e, kernel, y, j);
         swap_rows(e->values);
@@ -430,7 +446,7 @@ static size_t put_tile(const encoding *e, uint8_t *dst, size_t dst_size) {
     sink out = {dst, dst + dst_size, 0, 0, false};
     const uint8_t *map = e->model->map;
     uint32_t lanes_code = e->lanes == 64 ? 2 : e->lanes == 32 ? 1 : 0;
-    put_byte(&out, (e->colour ? ZT__PRED_COLOUR : 0u) | (e->zeros ? ZT__PRED_ZEROS : 0u) | lanes_code << 2);
+    put_byte(&out, e->transform | (e->zeros ? ZT__PRED_ZEROS : 0u) | lanes_code << 2);
     put_byte(&out, e->coded ? e->model->table_count : 0);
     put_byte(&out, e->coded);
     put_bytes(&out, e->first, e->planes);
@@ -454,9 +470,9 @@ static size_t put_tile(const encoding *e, uint8_t *dst, size_t dst_size) {
 }
 
 /* Predicts and codes the tile one way. Returns its size, or 0. */
-static size_t encode_one(encoding *e, bool colour, uint8_t *dst, size_t dst_size) {
-    e->colour = colour;
-    transform(e, zt__pred_kernel_best());
+static size_t encode_one(encoding *e, uint32_t transform, uint8_t *dst, size_t dst_size) {
+    e->transform = transform;
+    transform_rows(e, zt__pred_kernel_best());
     e->zeros = find_zeros(e);
     e->lanes = 16;
     if (e->coded) {
@@ -469,6 +485,21 @@ static size_t encode_one(encoding *e, bool colour, uint8_t *dst, size_t dst_size
     return put_tile(e, dst, dst_size);
 }
 
+/* The transform that promises most. */
+static uint32_t choose_transform(encoding *e) {
+    static const uint8_t steps[ZT__PRED_MAX_EFFORT + 1] = {0, 32, 32, 8, 8, 8, 8, 4, 2, 2};
+    uint64_t least = UINT64_MAX;
+    uint32_t best = 0;
+    for (uint32_t i = 0; i < TRANSFORMS; i++) {
+        if (!zt__pred_transform_ok(&e->shape, transforms[i]) || e->shape.channels < 3)
+            continue;
+        uint64_t cost = transform_cost(e, transforms[i], steps[e->effort]);
+        best = cost < least ? transforms[i] : best;
+        least = cost < least ? cost : least;
+    }
+    return best;
+}
+
 size_t zt__pred_encode(const zt__pred_shape *shape, const uint8_t *src, size_t src_pitch, uint32_t effort, void *work,
                        uint8_t *dst, size_t dst_size) {
     encoding e = {.shape = *shape,
@@ -476,17 +507,18 @@ size_t zt__pred_encode(const zt__pred_shape *shape, const uint8_t *src, size_t s
                   .effort = effort,
                   .src = src,
                   .src_pitch = src_pitch};
-    bool colour = false;
     place(&e, work);
     zt__pred_model_init(e.model);
-    if (shape->channels >= 3) {
-        uint32_t step = effort <= 2 ? 32 : 8;
-        colour = colour_cost(&e, true, step) < colour_cost(&e, false, step);
+    zt__pred_fill_slopes(e.slopes);
+    uint32_t chosen = choose_transform(&e), best = chosen, last = chosen;
+    size_t size = encode_one(&e, best, dst, dst_size);
+    for (uint32_t i = 0; effort == ZT__PRED_MAX_EFFORT && shape->channels >= 3 && i < TRANSFORMS; i++) {
+        if (transforms[i] == chosen || !zt__pred_transform_ok(shape, transforms[i]))
+            continue;
+        last = transforms[i];
+        size_t other = encode_one(&e, last, dst, size ? size - 1 : dst_size);
+        best = other ? last : best;
+        size = other ? other : size;
     }
-    size_t size = encode_one(&e, colour, dst, dst_size);
-    if (effort < ZT__PRED_MAX_EFFORT || shape->channels < 3)
-        return size;
-    /* The other way: kept where it is smaller; else the first one is made again. */
-    size_t other = encode_one(&e, !colour, dst, size ? size - 1 : dst_size);
-    return other != 0 || size == 0 ? other : encode_one(&e, colour, dst, dst_size);
+    return best == last || size == 0 ? size : encode_one(&e, best, dst, dst_size);
 }

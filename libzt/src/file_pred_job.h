@@ -18,7 +18,9 @@ enum {
     ZT__PRED_MARGIN = 64,   /* bytes before and behind a row of the scratch memory */
     ZT__PRED_REACH = 64,    /* most bytes of words that a step of a vector loop reads */
     ZT__PRED_COLOUR = 1,    /* bits of the flags byte */
-    ZT__PRED_ZEROS = 2
+    ZT__PRED_ZEROS = 2,
+    ZT__PRED_FRAME = 16, /* samples are a zstd frame: file_pred_frame.h */
+    ZT__PRED_NORMAL = 32
 };
 
 /* An entry of a decoding table, one a slot: the symbol, its frequency << 8, and (slot - first slot of it) << 20. */
@@ -35,6 +37,7 @@ typedef struct zt__pred_job {
     uint32_t coded;  /* bit k: plane k is coded, else it is zero */
     uint32_t lanes;
     bool colour;
+    bool normal;                    /* channel 2 wants slopes after restore() */
     uint8_t first[ZT__PRED_PLANES]; /* prediction of texel (0, 0) */
     zt__pred_map maps[ZT__PRED_PLANES];
     const uint8_t *zeros; /* a bit for each block of each coded plane, 1: coded; or NULL */
@@ -68,6 +71,8 @@ struct zt__pred_kernel {
     void (*measure)(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width);
     /* Texels of a strip of rows from its residuals. Strips come from the top down. */
     void (*restore)(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);
+    /* Adds the third component of normals to a row of texels of 8-bit channels. NULL: zt__pred_add_slopes does it. */
+    void (*add_slopes)(uint8_t *texels, uint32_t channels, uint32_t width);
 };
 
 /* Channel of the texel that comes j-th in the order of the planes: green first, from which colours were subtracted. */
@@ -78,7 +83,22 @@ static inline uint32_t zt__pred_channel(uint32_t channels, uint32_t j) {
 /* The plain C loops, which the others use for ends of rows, or as they are. */
 void zt__pred_select_c(const uint8_t *above, const uint8_t *beside, const uint8_t *high, uint8_t *acts, uint32_t width);
 void zt__pred_symbols_c(zt__pred_job *job, const zt__pred_map *map, uint8_t *out, uint32_t from, uint32_t to);
+/* With fewer than ZT__PRED_REACH bytes of words left, moves them to job->tail. Returns false when more than there were
+ * have been used. */
+bool zt__pred_words_left(zt__pred_job *job, const uint8_t **next);
+
+/* The same where more may be left, by value, so that a loop keeps its pointer in a register. NULL: more than there were
+ * have been used. */
+static inline const uint8_t *zt__pred_words(zt__pred_job *job, const uint8_t *next) {
+    if (job->end - next >= ZT__PRED_REACH)
+        return next;
+    return zt__pred_words_left(job, &next) ? next : NULL;
+}
+
 void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width);
 void zt__pred_restore_c(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);
+
+/* By vectors of the compiler; only where zt__pred_kernel_vector is not NULL. */
+void zt__pred_restore_vector(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);
 
 #endif

@@ -10,8 +10,7 @@
 enum {
     SYMBOL_COST = 9 * ZT__PRED_LOG_ONE / 2, /* of an entry of a stored table, about */
     TABLE_COST = 20 * ZT__PRED_LOG_ONE,
-    UNUSED = 255,     /* context that does not occur, while tables are chosen */
-    FEW_CONTEXTS = 32 /* up to which the default efforts look at neighbours only */
+    UNUSED = 255 /* context that does not occur, while tables are chosen */
 };
 
 /* log2 by repeated squaring: each square of a number in [1, 2) that leaves it gives a one bit. */
@@ -122,7 +121,6 @@ static void set_pair(zt__pred_model *model, uint32_t a, uint32_t b) {
     model->pairs[zt__max32(a, b)][zt__min32(a, b)] = merge_cost(model, &model->counts[a], &model->counts[b]);
 }
 
-/* Merges the best pair of all until the tables are few enough and no merge saves anything. */
 /* The pair whose merging costs least: *a below *b. */
 static void cheapest_pair(const zt__pred_model *model, uint32_t n, uint32_t *a, uint32_t *b) {
     *a = 0;
@@ -136,14 +134,27 @@ static void cheapest_pair(const zt__pred_model *model, uint32_t n, uint32_t *a, 
     }
 }
 
-static uint32_t merge_pairs(zt__pred_model *model, uint32_t n, uint32_t contexts) {
+/* What the last table has to save. Decoders are faster with few tables: six fill the first cache of most processors, so
+ * those behind must be worth it up to the default effort. */
+static int64_t price(const zt__pred_model *model, uint32_t n, uint32_t effort) {
+    enum { CHEAP = 4, FITTING = 6, SMALL_SHARE = 1000, SHARE = 350 };
+    int64_t all = 0;
+    if (effort > ZT__PRED_DEFAULT_EFFORT || n <= CHEAP)
+        return 0;
+    for (uint32_t i = 0; i < n; i++)
+        all += (int64_t)model->counts[i].cost;
+    return all / (n > FITTING ? SHARE : SMALL_SHARE);
+}
+
+/* Merges the best pair of all until the tables are few enough and each is worth its price. */
+static uint32_t merge_pairs(zt__pred_model *model, uint32_t n, uint32_t contexts, uint32_t effort) {
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < i; j++)
             set_pair(model, i, j);
     while (n > 1) {
         uint32_t a, b;
         cheapest_pair(model, n, &a, &b);
-        if (n <= ZT__PRED_TABLES && model->pairs[b][a] >= 0)
+        if (n <= ZT__PRED_TABLES && model->pairs[b][a] >= price(model, n, effort))
             break;
         merge(model, a, b, n, contexts);
         n--;
@@ -212,13 +223,16 @@ static uint32_t compact(zt__pred_model *model, uint32_t contexts) {
 }
 
 void zt__pred_choose(zt__pred_model *model, uint32_t contexts, uint32_t effort) {
+    /* Up to so many contexts all pairs are compared; above, neighbours are merged first. */
+    static const uint8_t few[ZT__PRED_MAX_EFFORT + 1] = {
+        0, 0, 0, 12, 20, 32, 64, ZT__PRED_CONTEXTS, ZT__PRED_CONTEXTS, ZT__PRED_CONTEXTS};
     uint32_t n = compact(model, contexts);
     if (effort <= 2)
         n = merge_neighbours(model, n, ZT__PRED_TABLES, contexts);
-    else if (effort <= 6 && n > FEW_CONTEXTS)
-        n = merge_neighbours(model, n, FEW_CONTEXTS, contexts);
+    else if (n > few[effort])
+        n = merge_neighbours(model, n, few[effort], contexts);
     if (effort > 2)
-        n = merge_pairs(model, n, contexts);
+        n = merge_pairs(model, n, contexts, effort);
     make_tables(model, n);
     for (uint32_t i = 0; i < contexts; i++)
         if (model->map[i] == UNUSED)

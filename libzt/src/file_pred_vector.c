@@ -91,6 +91,49 @@ static void wave8(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t wi
     }
 }
 
+/* 8 rows of 8 bytes, two in a vector. */
+static inline void transpose_bytes(words4 r[4]) {
+    halves8 a[4], b[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        bytes16 even = (bytes16)r[i], odd = (bytes16)__builtin_shufflevector(r[i], r[i], 2, 3, 2, 3);
+        a[i] = (halves8)__builtin_shufflevector(even, odd, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    }
+    for (uint32_t i = 0; i < 4; i += 2) {
+        b[i] = __builtin_shufflevector(a[i], a[i + 1], 0, 8, 1, 9, 2, 10, 3, 11);
+        b[i + 1] = __builtin_shufflevector(a[i], a[i + 1], 4, 12, 5, 13, 6, 14, 7, 15);
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        r[2 * i] = __builtin_shufflevector((words4)b[i], (words4)b[i + 2], 0, 4, 1, 5);
+        r[2 * i + 1] = __builtin_shufflevector((words4)b[i], (words4)b[i + 2], 2, 6, 3, 7);
+    }
+}
+
+/* The same for the one byte plane of a tile with one channel. The upper 8 bytes of the vectors do not matter. */
+static void wave1(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t width) {
+    words4 left = {0}, corner = {0};
+    for (uint32_t x = 0; x < width + 7; x += 8) {
+        words4 r[4];
+        uint8_t *at[8];
+        for (uint32_t i = 0; i < 8; i++)
+            at[i] = texels + i * pitch + x - i;
+        for (uint32_t i = 0; i < 4; i++)
+            r[i] = (words4)(longs2){zt__load64(at[2 * i]), zt__load64(at[2 * i + 1])};
+        transpose_bytes(r);
+        for (uint32_t i = 0; i < 8; i++) {
+            words4 row = r[i / 2], up = (words4)(((longs2)left << 8) | (longs2){top[x + i], 0});
+            left = restore8(left, up, corner, i % 2 ? __builtin_shufflevector(row, row, 2, 3, 2, 3) : row);
+            corner = up;
+            r[i / 2] = i % 2 ? __builtin_shufflevector(row, left, 0, 1, 4, 5)
+                             : __builtin_shufflevector(left, row, 0, 1, 6, 7);
+        }
+        transpose_bytes(r);
+        for (uint32_t i = 0; i < 8; i++) {
+            longs2 rows = (longs2)r[i / 2];
+            zt__store64(at[i], rows[i % 2]);
+        }
+    }
+}
+
 /* The same for 8-byte texels, two rows in a vector. */
 static void wave16(uint8_t *texels, size_t pitch, const uint8_t *top, uint32_t width) {
     words4 left[4] = {{0}}, corner[4] = {{0}};
@@ -200,11 +243,22 @@ static void finish(const zt__pred_job *job, const uint8_t *texels, uint8_t *rest
     }
 }
 
+/* The one plane of a tile is its texels. */
+static void restore_one(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
+    size_t width = job->shape.width;
+    for (uint32_t i = 0; i < rows; i++)
+        memcpy(job->texels + i * job->texel_pitch, job->residuals[0] + i * job->pitch, width);
+    wave1(job->texels, job->texel_pitch, job->top, job->shape.width);
+    for (uint32_t i = 0; i < rows; i++)
+        memcpy(dst + i * dst_pitch, job->texels + i * job->texel_pitch, width);
+    memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, width);
+}
+
 /* A strip with fewer than 8 rows is restored as one of 8, the rest being whatever was there. */
-static void restore_vector(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
+void zt__pred_restore_vector(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
     bool wide = job->shape.channel_bytes == 2;
     if (job->planes == 1) { /* of four channels three would be for nothing */
-        zt__pred_restore_c(job, rows, dst, dst_pitch);
+        restore_one(job, rows, dst, dst_pitch);
         return;
     }
     for (uint32_t i = 0; i < rows; i++)
@@ -216,8 +270,8 @@ static void restore_vector(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_
 }
 
 const zt__pred_kernel *zt__pred_kernel_vector(void) {
-    static const zt__pred_kernel kernel = {"vector", zt__pred_select_c, zt__pred_symbols_c, zt__pred_measure_c,
-                                           restore_vector};
+    static const zt__pred_kernel kernel = {"vector",           zt__pred_select_c,       zt__pred_symbols_c,
+                                           zt__pred_measure_c, zt__pred_restore_vector, NULL};
     return &kernel;
 }
 

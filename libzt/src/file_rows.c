@@ -5,38 +5,49 @@
 
 /* ---- buffers of the workers ------------------------------------------------------------------------ */
 
-static zt_result make_buffers(zt_writer *w, uint64_t size, zt_diag *diag) {
+static zt_result make_slot(zt_writer *w, zt__write_slot *slot, uint64_t size, zt_diag *diag) {
     void *block;
-    if (size <= w->tile_size)
+    if (size <= slot->room)
         return ZT_OK;
-    for (uint32_t i = 0; i < w->slot_count; i++) {
-        zt__free(&w->memory, w->slots[i].coded, zt__encode_bound((size_t)w->tile_size), 1);
-        w->slots[i].coded = NULL;
-    }
-    for (unsigned i = 0; i < w->worker_count; i++) {
-        zt__free(&w->memory, w->tile_buffers[i], w->tile_size, 1);
-        w->tile_buffers[i] = NULL;
-    }
-    w->tile_size = size;
-    for (uint32_t i = 0; i < w->slot_count; i++) {
-        ZT_TRY(zt__alloc_raw(&w->memory, zt__encode_bound((size_t)size), 1, diag, &block));
-        w->slots[i].coded = block;
-    }
-    for (unsigned i = 0; i < w->worker_count; i++) {
-        ZT_TRY(zt__alloc_raw(&w->memory, size, 1, diag, &block));
-        w->tile_buffers[i] = block;
-    }
+    zt__free(&w->memory, slot->coded, zt__encode_bound((size_t)slot->room), 1);
+    slot->coded = NULL;
+    slot->room = 0;
+    ZT_TRY(zt__alloc_raw(&w->memory, zt__encode_bound((size_t)size), 1, diag, &block));
+    slot->coded = block;
+    slot->room = size;
     return ZT_OK;
 }
 
-/* shape: NULL where codec 2 is not allowed. */
-static void code_tile(zt_writer *w, zt__write_slot *slot, unsigned worker, const zt__pred_shape *shape,
+static zt_result make_buffer(zt_writer *w, zt__tile_buffer *buffer, uint64_t size, zt_diag *diag) {
+    void *block;
+    if (size <= buffer->room)
+        return ZT_OK;
+    zt__free(&w->memory, buffer->bytes, buffer->room, 1);
+    buffer->bytes = NULL;
+    buffer->room = 0;
+    ZT_TRY(zt__alloc_raw(&w->memory, size, 1, diag, &block));
+    buffer->bytes = block;
+    buffer->room = size;
+    return ZT_OK;
+}
+
+/* For tiles of a size, so many at a time. One tile alone is the first worker's: large ones take no more than that. */
+static zt_result make_buffers(zt_writer *w, uint64_t size, uint32_t tiles, zt_diag *diag) {
+    for (uint32_t i = 0; i < w->slot_count && i < tiles; i++)
+        ZT_TRY(make_slot(w, &w->slots[i], size, diag));
+    for (unsigned i = 0; i < (tiles > 1 ? w->worker_count : 1); i++)
+        ZT_TRY(make_buffer(w, &w->tile_buffers[i], size, diag));
+    return ZT_OK;
+}
+
+/* form: NULL for a mip tail. */
+static void code_tile(zt_writer *w, zt__write_slot *slot, unsigned worker, const zt__tile_form *form,
                       const uint8_t *bytes, size_t size) {
     zt__tile_record empty = {0};
     slot->record = empty;
     slot->record.hash = zt__hash(bytes, size);
-    slot->result = zt__encode_tile(&w->encoders[worker], (uint32_t)w->options.effort, shape, bytes, size, slot->coded,
-                                   zt__encode_bound((size_t)w->tile_size), &slot->record.codec, &slot->size, NULL);
+    slot->result = zt__encode_tile(&w->encoders[worker], (uint32_t)w->options.effort, form, bytes, size, slot->coded,
+                                   zt__encode_bound((size_t)slot->room), &slot->record.codec, &slot->size, NULL);
     slot->record.stored_size = (uint32_t)slot->size;
 }
 
@@ -72,26 +83,22 @@ static void cut_tile(void *context, size_t index, unsigned worker) {
     uint32_t edge = 1U << t->image->record.tile_log2, block = t->image->record.block_bytes;
     uint32_t x = (t->first_x + (uint32_t)index) * edge;
     size_t width = (size_t)zt__min32(edge, t->level->info.blocks_x - x) * block;
-    uint8_t *tile = t->writer->tile_buffers[worker];
+    uint8_t *tile = t->writer->tile_buffers[worker].bytes;
     for (uint32_t y = 0; y < t->rows; y++)
         memcpy(tile + y * width, t->band + y * t->level->info.row_size + (size_t)x * block, width);
     zt__tile_box box = {.width = (uint32_t)(width / block), .height = t->rows};
-    zt__pred_shape shape = {0};
-    if (t->image->pred_allowed)
-        shape = zt__pred_shape_of(&t->image->record, &box);
-    code_tile(t->writer, &t->writer->slots[index], worker, t->image->pred_allowed ? &shape : NULL, tile,
-              width * t->rows);
+    zt__tile_form form = zt__tile_form_of(&t->image->record, &box);
+    code_tile(t->writer, &t->writer->slots[index], worker, &form, tile, width * t->rows);
 }
 
-/* slice: number of the slice in the level, over all layers. */
-static zt_result cut_band(zt_writer *w, zt__write_image *image, uint32_t level, const uint8_t *band, uint64_t slice,
-                          uint32_t tile_y, zt_diag *diag) {
+zt_result zt__write_band(zt_writer *w, zt__write_image *image, uint32_t level, const uint8_t *band, uint64_t slice,
+                         uint32_t tile_y, zt_diag *diag) {
     const zt__write_level *l = &image->levels[level];
     uint32_t edge = 1U << image->record.tile_log2;
     cut_task task = {.writer = w, .image = image, .level = l, .band = band};
     task.rows = zt__min32(edge, l->info.blocks_y - tile_y * edge);
     uint64_t size = (uint64_t)zt__min32(edge, l->info.blocks_x) * task.rows;
-    ZT_TRY(make_buffers(w, size * image->record.block_bytes, diag));
+    ZT_TRY(make_buffers(w, size * image->record.block_bytes, l->info.tiles_x, diag));
     uint64_t first = (slice * l->info.tiles_y + tile_y) * l->info.tiles_x;
     for (uint32_t x = 0; x < l->info.tiles_x; x += w->slot_count) {
         uint32_t n = zt__min32(w->slot_count, l->info.tiles_x - x);
@@ -107,7 +114,7 @@ static zt_result cut_band(zt_writer *w, zt__write_image *image, uint32_t level, 
 }
 
 static zt_result code_tail(zt_writer *w, zt__write_image *image, zt_diag *diag) {
-    ZT_TRY(make_buffers(w, image->tail_size, diag));
+    ZT_TRY(make_buffers(w, image->tail_size, 1, diag));
     zt__write_slot *slot = &w->slots[0];
     code_tile(w, slot, 0, NULL, image->tail, (size_t)image->tail_size);
     ZT_TRY(slot_failed(slot, diag));
@@ -176,7 +183,7 @@ static zt_result rows_placed(zt_writer *w, zt__write_image *image, uint32_t leve
     band->rows += n;
     if (band->rows == zt__min32(edge, l->info.blocks_y - tile_y * edge)) {
         band->rows = 0;
-        ZT_TRY(cut_band(w, image, level, band->bytes, slice, tile_y, diag));
+        ZT_TRY(zt__write_band(w, image, level, band->bytes, slice, tile_y, diag));
     }
     if (l->rows_done == l->row_count)
         free_bands(w, l);
@@ -304,10 +311,45 @@ static zt_result write_some(zt_writer *w, zt__write_image *image, uint32_t level
     return rows_placed(w, image, level, slice, y, *n, diag);
 }
 
+/* Rows of level 0 of an image whose tile edge is not known yet. */
+static zt_result hold_rows(zt_writer *w, zt__write_image *image, const uint8_t *rows, uint32_t count, size_t pitch,
+                           zt_diag *diag) {
+    const zt_level_info *info = &image->levels[0].info;
+    uint64_t first = image->levels[0].rows_done;
+    uint8_t *dst;
+    ZT_TRY(zt__write_hold(w, image, count, diag, &dst));
+    copy_rows(dst, (size_t)info->row_size, rows, pitch, count);
+    for (uint32_t i = 0; i < count; i++)
+        clear_border(image, 0, (uint32_t)((first + i) % info->blocks_y), 1, dst + i * info->row_size);
+    if (first + count < image->levels[0].row_count)
+        return ZT_OK;
+    image->chooses_edge = false;
+    return zt__write_choose_edge(w, image, diag);
+}
+
+zt_result zt__write_coded_rows(zt_writer *w, zt__write_image *image, const uint8_t *rows, zt_diag *diag) {
+    zt__write_level *l = &image->levels[0];
+    l->mode = ZT__WRITE_ROWS;
+    l->rows_done = l->row_count;
+    if (image->record.levels == 1)
+        return ZT_OK;
+    ZT_TRY(make_mip(w, image, diag));
+    for (uint64_t done = 0; done < l->row_count;) {
+        uint32_t y = (uint32_t)(done % l->info.blocks_y), n = zt__min32(ZT__MIP_BATCH, l->info.blocks_y - y);
+        image->layer = (uint32_t)(done / l->info.blocks_y / l->info.depth);
+        ZT_TRY(zt__mip_push(image->mip, rows + done * l->info.row_size, n, (size_t)l->info.row_size, diag));
+        done += n;
+    }
+    free_mip(w, image);
+    return ZT_OK;
+}
+
 zt_result zt__write_rows(zt_writer *w, zt__write_image *image, uint32_t level, const uint8_t *rows, uint32_t count,
                          size_t pitch, zt_diag *diag) {
     zt__write_level *l = &image->levels[level];
     bool makes = !image->desc.given_levels && image->record.levels > 1;
+    if (image->chooses_edge)
+        return count > 0 ? hold_rows(w, image, rows, count, pitch, diag) : ZT_OK;
     if (makes && !image->mip)
         ZT_TRY(make_mip(w, image, diag));
     for (uint32_t done = 0; done < count;) {

@@ -221,6 +221,16 @@ static zt_result tile_row(zt__sample_call *call, const zt__sample_image *image, 
     return ZT_OK;
 }
 
+zt_result zt__fetch_texel(zt__sample_call *call, uint32_t slot, uint32_t x, uint32_t y, uint32_t layer, float rgba[4]) {
+    const zt__sample_image *image = &call->set->images[slot];
+    const uint8_t *row;
+    uint32_t first;
+    rgba[0] = rgba[1] = rgba[2] = rgba[3] = 0.0f;
+    ZT_TRY(tile_row(call, image, &image->level[0], x, y, zt__min32(layer, image->layers - 1), &row, &first));
+    add_texel(image, row + (size_t)(x - first) * image->format->block_bytes, 1.0f, rgba);
+    return ZT_OK;
+}
+
 /* ---- one direction (steps 3 and 4) ------------------------------------------------------------------- */
 
 /* Texel index i of n under a wrap mode; i is within a few n of the level. */
@@ -253,6 +263,24 @@ static double reduce(double u, uint8_t wrap) {
     if (!(u > -2.0)) /* NaN too */
         return -2.0;
     return u < 3.0 ? u : 3.0;
+}
+
+bool zt__wrap_unit(double *u, uint8_t wrap) {
+    double m;
+    switch (wrap) {
+    case ZT_WRAP_REPEAT:
+        *u -= floor(*u);
+        return true;
+    case ZT_WRAP_MIRROR:
+        m = *u - 2.0 * floor(*u / 2.0);
+        *u = m > 1.0 ? 2.0 - m : m;
+        return true;
+    case ZT_WRAP_CLAMP:
+        *u = fmin(fmax(*u, 0.0), 1.0);
+        return true;
+    default:
+        return *u >= 0.0 && *u <= 1.0;
+    }
 }
 
 typedef struct taps {

@@ -72,6 +72,9 @@ typedef struct zt__footprint {
     double step[3]; /* the longer derivative, along which the probes lie */
 } zt__footprint;
 
+/* Brings a coordinate into [0, 1] by a zt_wrap; false: it is outside of a border. */
+bool zt__wrap_unit(double *u, uint8_t wrap);
+
 /* indices: count image numbers, each once, in range. ZT_UNSUPPORTED: one cannot be sampled. */
 zt_result zt__image_set_open(const zt_file *file, const uint32_t *indices, uint32_t count, zt_diag *diag,
                              zt__image_set **out);
@@ -83,7 +86,10 @@ zt__footprint zt__footprint_of(const zt__sample_image *image, const zt__look *lo
 zt_result zt__sample_footprint(zt__sample_call *call, uint32_t slot, const uint8_t wraps[3], const zt_point *point,
                                const zt__footprint *footprint, float rgba[4]);
 
-/* Both in one. */
+/* One texel of level 0: x and y are in range, layer is clamped. */
+zt_result zt__fetch_texel(zt__sample_call *call, uint32_t slot, uint32_t x, uint32_t y, uint32_t layer, float rgba[4]);
+
+/* zt__footprint_of and zt__sample_footprint in one. */
 zt_result zt__sample_image_at(zt__sample_call *call, uint32_t slot, const uint8_t wraps[3], const zt_point *point,
                               float rgba[4]);
 

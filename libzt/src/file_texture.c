@@ -152,21 +152,30 @@ static zt_result check_names_differ(zt_file *file, zt__sink *sink, const zt__ent
 
 /* ---- payloads ---- */
 
-/* R6110: the n-th zipmap owns the n-th ZPMP chunk. */
-static zt_result assign_payloads(zt_file *file, zt__sink *sink, const zt__entry *e) {
-    uint32_t chunk = 0, zipmaps = 0, chunks = 0;
+/* R6110: the n-th texture of a kind owns the n-th chunk of its type. */
+static zt_result assign_payloads_of(zt_file *file, zt__sink *sink, const zt__entry *e, const zt__chunk_type *type) {
+    uint32_t chunk = 0, textures = 0, chunks = 0;
     for (uint32_t i = 0; i < file->chunk_count; i++)
-        chunks += file->entries[i].type == ZT__ZPMP;
+        chunks += file->entries[i].type == type->type;
     for (uint32_t i = 0; i < file->texture_count; i++) {
-        if (file->textures[i].entry.kind != ZT_KIND_ZIPMAP)
+        if (file->textures[i].entry.kind != type->kind)
             continue;
-        zipmaps++;
-        while (chunk < file->chunk_count && file->entries[chunk].type != ZT__ZPMP)
+        textures++;
+        while (chunk < file->chunk_count && file->entries[chunk].type != type->type)
             chunk++;
         if (chunk < file->chunk_count)
             file->textures[i].payload_chunk = chunk++;
     }
-    ZT_RULE(sink, 6110, zipmaps == chunks, zt__place(e, 0), "%u zipmaps and %u ZPMP chunks", zipmaps, chunks);
+    ZT_RULE(sink, 6110, textures == chunks, zt__place(e, 0), "%u textures of kind %u and %u chunks for them", textures,
+            type->kind, chunks);
+    return ZT_OK;
+}
+
+static zt_result assign_payloads(zt_file *file, zt__sink *sink, const zt__entry *e) {
+    for (uint32_t i = 0; zt__get_chunk_type(i); i++) {
+        if (zt__get_chunk_type(i)->kind != ZT_KIND_IMAGE)
+            ZT_TRY(assign_payloads_of(file, sink, e, zt__get_chunk_type(i)));
+    }
     return ZT_OK;
 }
 
@@ -175,7 +184,9 @@ static zt_result open_payload(zt_file *file, zt__sink *sink, zt__decoder *decode
     uint32_t chunk = file->textures[texture].payload_chunk;
     const zt__entry *e = &file->entries[chunk];
     void *bytes;
-    zt__enter(sink, "ZPMP of texture %u", texture);
+    uint8_t type[4];
+    zt__store32(type, e->type);
+    zt__enter(sink, "%.4s/texture %u", (const char *)type, texture);
     ZT_TRY(zt__alloc_raw(&file->memory, e->decoded_size, 1, sink->diag, &bytes));
     zt_result result = zt__read_chunk(file, sink, decoder, chunk, bytes);
     if (result == ZT_OK)

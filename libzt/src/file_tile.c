@@ -7,7 +7,7 @@
 
 /* A tile as rows of bytes: a tail is one row. */
 typedef struct tile_rows {
-    zt__pred_shape shape; /* for codec 2; R5301 has passed */
+    zt__tile_form form; /* R5301 and R5401 have passed */
     size_t row_size, row_count;
 } tile_rows;
 
@@ -21,8 +21,7 @@ static tile_rows rows_of(const zt__image *image, uint32_t unit, uint64_t tile) {
     }
     zt__level_geometry(&image->record, unit, &level);
     zt__tile_geometry(&image->record, &level, tile, &box);
-    if (zt__pred_allowed(&image->record))
-        rows.shape = zt__pred_shape_of(&image->record, &box);
+    rows.form = zt__tile_form_of(&image->record, &box);
     rows.row_size = (size_t)box.width * image->record.block_bytes;
     rows.row_count = box.height;
     return rows;
@@ -38,17 +37,17 @@ uint32_t zt__unit_tile_size(const zt__image *image, uint32_t unit, uint64_t tile
 static zt_result check_index(zt__sink *sink, const zt__image *image, uint32_t unit_index, const zt__unit *unit,
                              zt__tile_index *index, uint64_t at) {
     zt_level_info level;
-    zt__tile_box box;
+    zt__tile_box box = {0};
     uint64_t sum = 0;
     bool tail = unit_index >= image->tail_level;
-    bool pred_allowed = !tail && zt__pred_allowed(&image->record);
     zt__level_geometry(&image->record, unit_index, &level);
+    const zt__tile_form form = zt__tile_form_of(&image->record, &box); /* of any tile: only what is allowed */
     for (uint64_t i = 0; i < index->count; i++) {
         if (tail)
             box.size = (uint32_t)zt__tail_size(&image->record, image->tail_level);
         else
             zt__tile_geometry(&image->record, &level, i, &box);
-        ZT_TRY(zt__check_tile(sink, &index->records[i], box.size, pred_allowed, at + i * ZT__TILE_RECORD_SIZE));
+        ZT_TRY(zt__check_tile(sink, &index->records[i], box.size, tail ? NULL : &form, at + i * ZT__TILE_RECORD_SIZE));
         index->offsets[i] = sum;
         sum += index->records[i].stored_size;
     }
@@ -153,7 +152,11 @@ static zt_result decode_tile(const zt_file *file, zt__sink *sink, zt__decoder *d
     size_t size = rows->row_size * rows->row_count;
     ZT_TRY(stored_bytes(file, sink, decoder, at, record->stored_size, &stored));
     if (record->codec == ZT__CODEC_PRED)
-        return zt__decode_pred(sink, decoder, &rows->shape, stored, record->stored_size, dst, pitch, record->hash, at);
+        return zt__decode_pred(sink, decoder, &rows->form.shape, stored, record->stored_size, dst, pitch, record->hash,
+                               at);
+    if (record->codec == ZT__CODEC_FIELDS)
+        return zt__decode_fields(sink, decoder, rows->form.fields, rows->row_size, rows->row_count, stored,
+                                 record->stored_size, dst, pitch, record->hash, at);
     if (pitch != rows->row_size)
         ZT_TRY(zt__decoder_raw(decoder, size, sink->diag, &tight));
     ZT_TRY(zt__decode_stored(sink, decoder, record->codec, stored, record->stored_size, tight, size, record->hash, 5203,
@@ -169,7 +172,7 @@ zt_result zt__read_tile_into(const zt_file *file, zt__sink *sink, zt__decoder *d
     ZT_TRY(zt__tile_index_of(file, sink, image, unit, &index));
     const zt__tile_record *record = &index->records[tile];
     uint64_t at = tile_place(file, image, unit, index, tile);
-    if (record->codec > ZT__CODEC_PRED) {
+    if (record->codec > ZT__CODEC_PRED && record->codec != ZT__CODEC_FIELDS) {
         if (sink->check)
             ZT_TRY(zt__report(sink, 5201, at, "tile codec %u is not known", record->codec));
         return zt__fail(sink->diag, ZT_UNSUPPORTED, 5201, at, "tile codec %u is not known", record->codec);
@@ -266,16 +269,30 @@ static zt_result run_tasks(region_job *job, const zt_parallel *parallel, uint64_
     }
 }
 
+/* Takes the memory that tiles of codecs 2 and 4 will want. When there is none, the task that misses it will say so. */
+static void prepare_decoder(const region_job *job, zt__decoder *decoder) {
+    const zt__image *image = &job->file->images[job->image];
+    tile_rows rows = rows_of(image, job->unit, 0); /* none is larger */
+    if (rows.form.shape.channels > 0)
+        zt__decoder_reserve(decoder, zt__pred_scratch_size(&rows.form.shape));
+    else if (rows.form.fields)
+        zt__decoder_reserve(decoder, rows.row_size * rows.row_count);
+}
+
 static zt_result run_region(region_job *job, const zt_parallel *parallel, zt_diag *diag) {
     unsigned workers = zt__workers(parallel);
+    uint64_t count = (uint64_t)job->tiles_x * job->tiles_y * job->region.depth;
     zt__memory *memory = zt__memory_of(job->file);
     void *block;
     ZT_TRY(zt__alloc(memory, workers, sizeof *job->decoders, diag, &block));
     job->decoders = block;
     for (unsigned i = 0; i < workers; i++)
         zt__decoder_init(&job->decoders[i], memory);
+    /* In this thread, since the system's allocator gives other threads fresh pages for each run. */
+    for (unsigned i = 1; i < workers && i < count; i++)
+        prepare_decoder(job, &job->decoders[i]);
     atomic_init(&job->failed, UINT64_MAX);
-    zt_result result = run_tasks(job, parallel, (uint64_t)job->tiles_x * job->tiles_y * job->region.depth, diag);
+    zt_result result = run_tasks(job, parallel, count, diag);
     for (unsigned i = 0; i < workers; i++)
         zt__decoder_free(&job->decoders[i]);
     zt__free(memory, block, workers, sizeof *job->decoders);

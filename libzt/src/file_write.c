@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The calls of zt_write.h but those for zipmaps. */
+/* The calls of zt_write.h but those for zipmaps and silmaps. */
 #include "file_write.h"
 
 #include <errno.h>
@@ -190,7 +190,7 @@ static void free_texture(zt_writer *w, zt__write_texture *t) {
     zt__free_text(&w->memory, t->name);
     zt__free(&w->memory, t->layers, t->entry.layer_count, sizeof *t->layers);
     if (t->payload)
-        w->hooks->free(w, t->payload);
+        w->hooks->free(w, t->entry.kind, t->payload);
 }
 
 void zt__write_chunk_free(zt_writer *w, zt__write_chunk *chunk) {
@@ -200,9 +200,9 @@ void zt__write_chunk_free(zt_writer *w, zt__write_chunk *chunk) {
 
 static void free_workers(zt_writer *w) {
     for (uint32_t i = 0; w->slots && i < w->slot_count; i++)
-        zt__free(&w->memory, w->slots[i].coded, zt__encode_bound((size_t)w->tile_size), 1);
+        zt__free(&w->memory, w->slots[i].coded, zt__encode_bound((size_t)w->slots[i].room), 1);
     for (unsigned i = 0; w->tile_buffers && i < w->worker_count; i++)
-        zt__free(&w->memory, w->tile_buffers[i], w->tile_size, 1);
+        zt__free(&w->memory, w->tile_buffers[i].bytes, w->tile_buffers[i].room, 1);
     for (unsigned i = 0; w->encoders && i < w->worker_count; i++)
         zt__encoder_free(&w->encoders[i]);
     zt__free(&w->memory, w->slots, w->slot_count, sizeof *w->slots);
@@ -284,19 +284,15 @@ static zt_result fill_texture(zt_writer *w, const char *name, zt_kind kind, cons
     return ZT_OK;
 }
 
-static uint8_t byte_of(unsigned v) {
-    return (uint8_t)(v < 255 ? v : 255);
-}
-
 zt_result zt__write_texture_add(zt_writer *w, const zt_texture_desc *desc, zt_kind kind, const zt_layer_desc *layers,
                                 uint32_t layer_count, void *payload, zt_diag *diag, uint32_t *texture) {
     const char *name = desc->name ? desc->name : "";
     size_t name_size = strlen(name);
     zt__write_texture t = {.payload = payload, .name_hash = zt__hash(name, name_size)};
     t.entry.kind = (uint8_t)kind;
-    t.entry.wrap_u = byte_of((unsigned)desc->wrap_u);
-    t.entry.wrap_v = byte_of((unsigned)desc->wrap_v);
-    t.entry.wrap_w = byte_of((unsigned)desc->wrap_w);
+    t.entry.wrap_u = zt__byte_of((unsigned)desc->wrap_u);
+    t.entry.wrap_v = zt__byte_of((unsigned)desc->wrap_v);
+    t.entry.wrap_w = zt__byte_of((unsigned)desc->wrap_w);
     t.entry.layer_count = layer_count;
     t.entry.name_size = name_size < UINT32_MAX ? (uint32_t)name_size : UINT32_MAX;
     zt__sink sink = zt__write_sink(diag);

@@ -11,31 +11,41 @@ typedef struct plan {
     uint32_t *places; /* index in the new file, or ZT_NONE: lost */
     uint8_t *shown;   /* one byte an image */
     uint32_t kept;
+    bool shows_lost; /* the texture that is_lost looks at shows one that is lost */
 } plan;
 
-static bool is_lost(const zt__recovery *r, const plan *p, uint32_t texture) {
-    const zt__texture *t = &r->file->textures[texture];
-    const zt__zipmap *z = zt__zipmap_of(r->file, texture);
-    if (t->entry.kind != ZT_KIND_ZIPMAP)
-        return false;
-    for (uint32_t i = 0; z && i < z->patch_count; i++) {
-        if (z->source_kinds[i] && p->places[z->sources[i]] == ZT_NONE)
-            return true; /* it shows a texture that is lost */
-    }
-    return !z;
+static void skip_image(void *user, uint32_t image) {
+    (void)user;
+    (void)image;
 }
 
-static void mark_shown(const zt__recovery *r, const plan *p, uint32_t texture) {
-    const zt__texture *t = &r->file->textures[texture];
-    const zt__zipmap *z = zt__zipmap_of(r->file, texture);
-    for (uint32_t k = 0; k < t->entry.layer_count && !z; k++)
-        p->shown[r->file->layers[t->first_layer + k].image] = 1;
-    for (uint32_t i = 0; z && i < z->patch_count; i++) {
-        if (z->masks[i] != ZT_NONE)
-            p->shown[z->masks[i]] = 1;
-        for (uint32_t k = 0; k < z->layer_count && !z->source_kinds[i]; k++)
-            p->shown[z->sources[(size_t)k * z->patch_count + i]] = 1;
-    }
+static void skip_texture(void *user, uint32_t texture) {
+    (void)user;
+    (void)texture;
+}
+
+static void look_for_lost(void *user, uint32_t texture) {
+    plan *p = user;
+    p->shows_lost |= p->places[texture] == ZT_NONE;
+}
+
+static bool is_lost(const zt__recovery *r, plan *p, uint32_t texture) {
+    const zt__visitor visitor = {p, skip_image, look_for_lost};
+    if (!zt__is_readable(r->file, texture))
+        return true;
+    p->shows_lost = false;
+    zt__visit_texture(r->file, texture, ZT_NONE, &visitor);
+    return p->shows_lost;
+}
+
+static void mark_image(void *user, uint32_t image) {
+    const plan *p = user;
+    p->shown[image] = 1;
+}
+
+static void mark_shown(const zt__recovery *r, plan *p, uint32_t texture) {
+    const zt__visitor visitor = {p, mark_image, skip_texture};
+    zt__visit_texture(r->file, texture, ZT_NONE, &visitor);
 }
 
 /* Coverage of kept patches: the mask, or the image of the first layer. */
@@ -88,9 +98,30 @@ static zt_result add_zipmap(zt__recovery *r, const plan *p, const zt__zipmap *z,
     return result;
 }
 
+static zt_result add_silmap(zt__recovery *r, const zt__silmap *s, const zt_texture_desc *desc) {
+    const zt_silmap_desc silmap = {.cells_x = s->header.cells_x,
+                                   .cells_y = s->header.cells_y,
+                                   .cell_layers = s->header.cell_layers,
+                                   .filter = (zt_silmap_filter)s->header.filter,
+                                   .cells = s->cells,
+                                   .samples = s->samples,
+                                   .minified = s->minified};
+    return zt_writer_add_silmap(r->writer, desc, &silmap, r->diag, NULL);
+}
+
+static zt_result add_texture(zt__recovery *r, const plan *p, uint32_t texture, const zt_texture_desc *desc) {
+    switch (r->file->textures[texture].entry.kind) {
+    case ZT_KIND_ZIPMAP:
+        return add_zipmap(r, p, zt__zipmap_of(r->file, texture), desc);
+    case ZT_KIND_SILMAP:
+        return add_silmap(r, zt__silmap_of(r->file, texture), desc);
+    default:
+        return zt_writer_add_texture(r->writer, desc, r->diag, NULL);
+    }
+}
+
 static zt_result add_kept(zt__recovery *r, const plan *p, uint32_t texture) {
     const zt__texture *t = &r->file->textures[texture];
-    const zt__zipmap *z = zt__zipmap_of(r->file, texture);
     void *block;
     ZT_TRY(zt__alloc(&r->memory, t->entry.layer_count, sizeof(zt_layer_desc), r->diag, &block));
     zt_layer_desc *layers = block;
@@ -104,7 +135,7 @@ static zt_result add_kept(zt__recovery *r, const plan *p, uint32_t texture) {
                             .wrap_w = (zt_wrap)t->entry.wrap_w,
                             .layers = layers,
                             .layer_count = t->entry.layer_count};
-    zt_result result = z ? add_zipmap(r, p, z, &desc) : zt_writer_add_texture(r->writer, &desc, r->diag, NULL);
+    zt_result result = add_texture(r, p, texture, &desc);
     zt__free(&r->memory, block, t->entry.layer_count, sizeof(zt_layer_desc));
     return result;
 }
@@ -140,9 +171,12 @@ static zt_result save_metadata(zt__recovery *r) {
     uint32_t count;
     const char *key, *value;
     /* A chunk that is whole, but breaks the rules of metadata, stays behind. */
-    zt_result result = zt_load_metadata(r->file, &count, NULL);
+    zt_diag diag;
+    zt_result result = zt_load_metadata(r->file, &count, &diag);
+    if (result == ZT_NO_MEMORY)
+        return zt__fail(r->diag, result, 0, ZT__NO_OFFSET, "%s", diag.text);
     if (result != ZT_OK)
-        return result == ZT_NO_MEMORY ? result : ZT_OK;
+        return ZT_OK;
     for (uint32_t i = 0; i < count; i++) {
         zt_get_metadata(r->file, i, &key, &value);
         ZT_TRY(zt_writer_set_metadata(r->writer, key, value, r->diag));

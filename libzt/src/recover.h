@@ -48,6 +48,7 @@ typedef struct zt__recovery {
     zt_file *file;     /* the laid-out file, opened */
     uint8_t *coverage; /* one byte an image: 1: coverage of patches */
     uint64_t done;     /* tiles, for progress */
+    bool no_memory;    /* for filling a tile */
 } zt__recovery;
 
 /* Fills found. ZT_OK also when nothing was found. */
@@ -57,7 +58,7 @@ zt_result zt__recover_find(zt__recovery *r);
 const zt__found *zt__recover_chunk(const zt__recovery *r, uint32_t type);
 
 /* Lays the found chunks out and opens them as r->file. lone_texture: with a TEXS chunk of one texture in place of what
- * was found, and no ZPMP. *usable: images can be read; *textures_ok: TEXS too (payloads that cannot be read are NULL). */
+ * was found, and no payloads. *usable: images can be read; *textures_ok: TEXS too (payloads that cannot be read are NULL). */
 zt_result zt__recover_open(zt__recovery *r, bool lone_texture, bool *usable, bool *textures_ok);
 void zt__recover_close(zt__recovery *r);
 

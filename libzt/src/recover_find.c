@@ -37,12 +37,25 @@ static bool is_sane(const zt__entry *e) {
     return zt__check_entry(&quiet, e, 0, e->offset) == ZT_OK && e->offset % 16 == 0;
 }
 
-/* ZT_OK with *intact, or an error of the io. */
-static zt_result judge(zt__recovery *r, const zt__entry *e, bool *intact) {
-    zt__sink quiet = {0};
+/* Memory for a chunk. What is over the limit cannot be judged, and counts as lost: *room is false. */
+static zt_result make_room(zt__recovery *r, const zt__entry *e, uint8_t **stored, uint8_t **raw, bool *room) {
     zt_diag diag;
+    zt__begin(&diag);
+    zt_result result = zt__decoder_stored(&r->decoder, e->stored_size, &diag, stored);
+    if (result == ZT_OK)
+        result = zt__decoder_raw(&r->decoder, e->decoded_size, &diag, raw);
+    *room = result == ZT_OK;
+    return result == ZT_NO_MEMORY ? zt__fail(r->diag, result, 0, ZT__NO_OFFSET, "%s", diag.text) : ZT_OK;
+}
+
+/* ZT_OK with *intact, or an error of the io, or no memory. */
+static zt_result judge(zt__recovery *r, const zt__entry *e, bool *intact) {
+    zt_diag diag;
+    zt__sink quiet = {.diag = &diag};
     uint8_t *stored, *raw;
+    bool room;
     *intact = false;
+    zt__begin(&diag);
     if (!is_sane(e))
         return ZT_OK;
     *intact = e->type == ZT__TEXL && e->offset < r->damaged->size;
@@ -50,18 +63,19 @@ static zt_result judge(zt__recovery *r, const zt__entry *e, bool *intact) {
         !zt__range_ok(e->offset + ZT__HEAD_SIZE, e->stored_size, r->damaged->size) ||
         !afford(r, e->stored_size + e->decoded_size))
         return ZT_OK;
-    /* What is over the memory limit cannot be judged, and counts as lost. */
-    if (zt__decoder_stored(&r->decoder, e->stored_size, NULL, &stored) != ZT_OK ||
-        zt__decoder_raw(&r->decoder, e->decoded_size, NULL, &raw) != ZT_OK)
+    ZT_TRY(make_room(r, e, &stored, &raw, &room));
+    if (!room)
         return ZT_OK;
-    zt__begin(&diag);
     zt_result result = zt__read(r->damaged, e->offset + ZT__HEAD_SIZE, stored, (size_t)e->stored_size, &diag);
     if (result != ZT_OK)
         return zt__fail(r->diag, result, 0, diag.offset, "%s", diag.text);
     if (zt__hash(stored, (size_t)e->stored_size) != e->stored_hash)
         return ZT_OK;
-    *intact = zt__decode_stored(&quiet, &r->decoder, e->codec, stored, (size_t)e->stored_size, raw,
-                                (size_t)e->decoded_size, e->decoded_hash, 4004, 0) == ZT_OK;
+    result = zt__decode_stored(&quiet, &r->decoder, e->codec, stored, (size_t)e->stored_size, raw,
+                               (size_t)e->decoded_size, e->decoded_hash, 4004, 0);
+    if (result == ZT_NO_MEMORY)
+        return zt__fail(r->diag, result, 0, ZT__NO_OFFSET, "%s", diag.text);
+    *intact = result == ZT_OK;
     if (*intact && e->type == ZT__IMAG && r->texels_size == 0) {
         r->texels_size = sum_of_units(raw, e->decoded_size);
         *intact = r->texels_size > 0;

@@ -58,13 +58,14 @@ typedef struct choice {
     const uint8_t *memory;
 } choice;
 
-/* A damaged ZPMP keeps its place where the directory knows it, so that those behind it stay with their textures. */
+/* A damaged payload keeps its place where the directory knows it, so that those behind it stay with their textures. */
 static bool wanted(const zt__recovery *r, uint32_t i, const zt__found *last, bool lone_texture) {
     const zt__found *f = &r->found[i];
     uint32_t type = f->entry.type;
+    const zt__chunk_type *known = zt__find_chunk_type(type);
     if (type == ZT__TEXL)
         return false;
-    if (type == ZT__ZPMP)
+    if (known && known->repeats)
         return f->sane && !lone_texture;
     if (!f->intact || (type == ZT__TEXS && lone_texture))
         return false;
@@ -177,9 +178,12 @@ static zt_result build(zt__recovery *r, bool lone_texture) {
 /* A payload counts when all of it is right, even where a validator would go on. */
 static zt_result open_strictly(zt_file *file, zt__sink *sink, zt__decoder *decoder, uint32_t texture,
                                const uint8_t *data, size_t size, uint64_t offset) {
-    zt__sink quiet = {0};
-    (void)sink;
+    zt_diag diag;
+    zt__sink quiet = {.diag = &diag};
+    zt__begin(&diag);
     zt_result result = zt__texture_hooks.open(file, &quiet, decoder, texture, data, size, offset);
+    if (result == ZT_NO_MEMORY)
+        return zt__fail(sink->diag, result, 0, ZT__NO_OFFSET, "%s", diag.text);
     return result == ZT_UNSUPPORTED ? ZT_CORRUPT : result;
 }
 
@@ -192,7 +196,7 @@ static int take_finding(void *user, const zt_finding *finding) {
     verdict *v = user;
     if (finding->severity != ZT_SEVERITY_WARNING)
         zt__fail(&v->first, ZT_CORRUPT, finding->rule, ZT__NO_OFFSET, "%s", finding->text); /* the first one stays */
-    /* Findings in payloads ("ZPMP of texture 3") leave the list of textures as it is. */
+    /* Findings in payloads ("ZPMP/texture 3") leave the list of textures as it is. */
     if (finding->severity != ZT_SEVERITY_WARNING && strncmp(finding->path, "TEXS", 4) == 0)
         v->textures_bad = true;
     if (finding->severity != ZT_SEVERITY_WARNING && strncmp(finding->path, "IMAG", 4) == 0)

@@ -14,7 +14,8 @@ static uint32_t to_source(uint32_t texel, uint32_t level, uint32_t source, uint3
     return at < edge ? (uint32_t)at : edge - 1;
 }
 
-/* Fills a box of one slice with the nearest texels of another level. False when those cannot be read. */
+/* Fills a box of one slice with the nearest texels of another level. False when those cannot be read; for want of
+ * memory, r->no_memory too. */
 static bool fill_box(zt__recovery *r, uint32_t image, uint32_t level, const zt__tile_box *box, uint32_t source,
                      uint8_t *dst) {
     zt_level_info from, info;
@@ -35,10 +36,12 @@ static bool fill_box(zt__recovery *r, uint32_t image, uint32_t level, const zt__
         .depth = 1,
     };
     uint64_t row = (uint64_t)region.width * bytes, size = row * region.height;
-    if (zt__alloc_raw(&r->memory, size, 1, NULL, &block) != ZT_OK)
-        return false;
+    zt_result result = zt__alloc_raw(&r->memory, size, 1, NULL, &block);
     const uint8_t *texels = block;
-    bool ok = zt_decode_region(r->file, image, &region, block, (size_t)size, 0, 0, NULL, NULL) == ZT_OK;
+    if (result == ZT_OK)
+        result = zt_decode_region(r->file, image, &region, block, (size_t)size, 0, 0, NULL, NULL);
+    bool ok = result == ZT_OK;
+    r->no_memory |= result == ZT_NO_MEMORY;
     for (uint32_t y = 0; ok && y < box->height; y++) {
         const uint8_t *line = texels + (to_source(box->y + y, level, source, from.height) - y0) * row;
         for (uint32_t x = 0; x < box->width; x++, dst += bytes) {
@@ -122,7 +125,9 @@ static zt_result replace_tile(zt__recovery *r, uint32_t image, uint32_t unit, ui
     uint32_t size = zt__unit_tile_size(&r->file->images[image], unit, tile);
     ZT_TRY(zt__alloc(&r->memory, size, 1, r->diag, &block));
     zt_loss loss = {image, unit, tile, fill_tile(r, image, unit, tile, block)};
-    zt_result result = put_coded(r, image, unit, tile, block, size);
+    /* A poorer filling than the file allows would depend on how much memory there was. */
+    zt_result result = r->no_memory ? zt__fail(r->diag, ZT_NO_MEMORY, 0, ZT__NO_OFFSET, "no memory for other levels")
+                                    : put_coded(r, image, unit, tile, block, size);
     zt__free(&r->memory, block, size, 1);
     r->report->tiles_replaced++;
     if (result == ZT_OK && r->options->loss && r->options->loss(r->options->user, &loss))

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The payloads of textures: zipmaps are decoded when a file is opened, and listed. */
+/* The payloads of textures are decoded when a file is opened, and listed. */
 #include "texture.h"
 
 static const zt__image_record *image_of(const void *user, uint32_t image) {
@@ -15,25 +15,25 @@ static uint32_t texture_layers(const void *user, uint32_t texture) {
 static zt_result open_payload(zt_file *file, zt__sink *sink, zt__decoder *decoder, uint32_t texture,
                               const uint8_t *data, size_t size, uint64_t offset) {
     zt__texture *t = &file->textures[texture];
-    zt__zipmap *zipmap = NULL;
-    zt__zipmap_scope scope = {
+    zt__payload_scope scope = {
         .texture = texture,
         .layer_count = t->entry.layer_count,
+        .wrap_u = t->entry.wrap_u,
+        .wrap_v = t->entry.wrap_v,
         .image_count = file->image_count,
         .image_of = image_of,
         .texture_layers = texture_layers,
         .user = file,
     };
-    ZT_TRY(zt__decode_zipmap(sink, &file->memory, decoder, &file->limits, data, size, &scope, offset, &zipmap));
-    t->payload = zipmap; /* NULL behind a finding that a validator went on from */
-    return ZT_OK;
+    /* The payload is NULL behind a finding that a validator went on from. */
+    return zt__kind_of(t->entry.kind)->decode(sink, file, decoder, data, size, &scope, offset, &t->payload);
 }
 
 static void close_payload(zt_file *file, uint32_t texture) {
-    zt__zipmap *zipmap = file->textures[texture].payload;
-    if (zipmap)
-        zt__free(&file->memory, zipmap, 1, (size_t)zipmap->block_size);
-    file->textures[texture].payload = NULL;
+    zt__texture *t = &file->textures[texture];
+    if (t->payload)
+        zt__free(&file->memory, t->payload, 1, (size_t)zt__kind_of(t->entry.kind)->block_size(t->payload));
+    t->payload = NULL;
 }
 
 const zt__payload_hooks zt__texture_hooks = {open_payload, close_payload};
@@ -58,4 +58,24 @@ uint32_t zt_get_patch_image(const zt_file *file, uint32_t texture, uint32_t patc
     if (!z || patch >= z->patch_count || layer >= z->layer_count || z->source_kinds[patch] != 0)
         return ZT_NONE;
     return z->sources[(size_t)layer * z->patch_count + patch];
+}
+
+zt_result zt_get_silmap(const zt_file *file, uint32_t texture, zt_silmap_info *out) {
+    if (!out)
+        return ZT_BAD_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    const zt__silmap *s = file && texture < file->texture_count ? zt__silmap_of(file, texture) : NULL;
+    if (!s)
+        return ZT_BAD_ARGUMENT;
+    out->cells_x = s->header.cells_x;
+    out->cells_y = s->header.cells_y;
+    out->cell_layers = s->header.cell_layers;
+    out->filter = (zt_silmap_filter)s->header.filter;
+    out->cells = s->cells;
+    return ZT_OK;
+}
+
+uint32_t zt_get_silmap_minified(const zt_file *file, uint32_t texture, uint32_t layer) {
+    const zt__silmap *s = file && texture < file->texture_count ? zt__silmap_of(file, texture) : NULL;
+    return s && layer < s->header.layer_count ? s->minified[layer] : ZT_NONE;
 }

@@ -7,6 +7,7 @@ typedef struct collector {
     const zt_file *file;
     zt_extent *items;
     size_t count, capacity;
+    const zt_request *request;
     uint8_t *wanted; /* by texture: shown by one that the request names */
 } collector;
 
@@ -65,36 +66,23 @@ static zt_result add_region(collector *c, uint32_t image, const zt_region *regio
     return ZT_OK;
 }
 
-static void add_patch(collector *c, uint32_t texture, uint32_t patch, const zt_request *request) {
-    const zt__zipmap *zipmap = zt__zipmap_of(c->file, texture);
-    if (zipmap->masks[patch] != ZT_NONE)
-        add_levels(c, zipmap->masks[patch], request->min_level, request->max_level);
-    if (zipmap->source_kinds[patch] != 0) {
-        c->wanted[zipmap->sources[patch]] = 1;
-        return;
-    }
-    for (uint32_t k = 0; k < zipmap->layer_count; k++)
-        add_levels(c, zipmap->sources[(uint64_t)k * zipmap->patch_count + patch], request->min_level,
-                   request->max_level);
+static void want_image(void *user, uint32_t image) {
+    collector *c = user;
+    add_levels(c, image, c->request->min_level, c->request->max_level);
 }
 
-static void add_texture(collector *c, uint32_t texture, const zt_request *request) {
-    const zt__texture *t = &c->file->textures[texture];
-    const zt__zipmap *zipmap = zt__zipmap_of(c->file, texture);
-    if (!zipmap) {
-        for (uint32_t k = 0; k < t->entry.layer_count; k++)
-            add_levels(c, c->file->layers[t->first_layer + k].image, request->min_level, request->max_level);
-        return;
-    }
-    for (uint32_t i = 0; i < zipmap->patch_count; i++)
-        add_patch(c, texture, i, request);
+static void want_texture(void *user, uint32_t texture) {
+    collector *c = user;
+    c->wanted[texture] = 1;
 }
 
 /* Textures show earlier textures only, so one pass down finds them all, each once. */
-static void add_wanted(collector *c, const zt_request *request) {
-    for (uint32_t i = request->texture + 1; i-- > 0;) {
+static void add_textures(collector *c) {
+    const zt__visitor visitor = {c, want_image, want_texture};
+    zt__visit_texture(c->file, c->request->texture, c->request->patch, &visitor);
+    for (uint32_t i = c->request->texture; i-- > 0;) {
         if (c->wanted[i])
-            add_texture(c, i, request);
+            zt__visit_texture(c->file, i, ZT_NONE, &visitor);
     }
 }
 
@@ -135,11 +123,8 @@ static zt_result collect(collector *c, const zt_request *r, zt_diag *diag) {
         return ZT_OK;
     }
     memset(c->wanted, 0, c->file->texture_count);
-    if (r->patch == ZT_NONE)
-        c->wanted[r->texture] = 1;
-    else
-        add_patch(c, r->texture, r->patch, r);
-    add_wanted(c, r);
+    c->request = r;
+    add_textures(c);
     return ZT_OK;
 }
 

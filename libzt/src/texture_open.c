@@ -64,8 +64,9 @@ zt_result zt_get_layer(const zt_file *file, uint32_t texture, uint32_t layer, zt
     memset(out, 0, sizeof *out);
     if (!file || texture >= file->texture_count || layer >= file->textures[texture].entry.layer_count)
         return ZT_BAD_ARGUMENT;
-    const zt__layer_entry *entry = &file->layers[file->textures[texture].first_layer + layer];
+    const zt__texture *t = &file->textures[texture];
+    const zt__layer_entry *entry = &file->layers[t->first_layer + layer];
     out->semantic = entry->semantic;
-    out->image = zt__zipmap_of(file, texture) ? zt_get_patch_image(file, texture, 0, layer) : entry->image;
+    out->image = t->payload ? zt__kind_of(t->entry.kind)->layer_image(t->payload, layer) : entry->image;
     return ZT_OK;
 }

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 
+#include "silmap_sample.h"
 #include "texture.h"
 #include "zipmap_sample.h"
 
@@ -16,10 +17,12 @@ static const uint8_t clamped[3] = {ZT_WRAP_CLAMP, ZT_WRAP_CLAMP, ZT_WRAP_CLAMP};
 
 typedef struct node {
     uint32_t texture;
-    uint32_t base, layer;       /* kind image: places in the image set; ZT_NONE: not needed */
-    const zt__zipmap *zipmap;   /* NULL: kind image */
-    zt__patch_grid *grid;       /* NULL: the root alone */
-    zt__patch_sources *sources; /* source_count */
+    uint32_t base, layer;                  /* not a zipmap: places in the image set; ZT_NONE: not needed */
+    zt__silmap_view base_view, layer_view; /* kind silmap: both with those places */
+    const zt__silmap *silmap;              /* NULL: another kind */
+    const zt__zipmap *zipmap;              /* NULL: another kind */
+    zt__patch_grid *grid;                  /* NULL: the root alone */
+    zt__patch_sources *sources;            /* source_count */
     uint32_t source_count;
 } node;
 
@@ -92,6 +95,7 @@ static zt_result find_nodes(gathering *g) {
             continue;
         g->sampler->nodes[g->nodes[t]].texture = t;
         g->sampler->nodes[g->nodes[t]].zipmap = zt__zipmap_of(g->file, t);
+        g->sampler->nodes[g->nodes[t]].silmap = zt__silmap_of(g->file, t);
     }
     return ZT_OK;
 }
@@ -121,8 +125,19 @@ static zt__patch_sources sources_of(gathering *g, const zt__zipmap *z, uint32_t 
     return s;
 }
 
-static zt_result fill_node(gathering *g, node *n) {
+/* One layer of a texture that is not a zipmap: its image, for silmaps with all that goes with it. */
+static uint32_t layer_slot(gathering *g, const node *n, uint32_t layer, zt__silmap_view *view) {
     const zt__texture *t = &g->file->textures[n->texture];
+    if (!n->silmap)
+        return slot_of(g, g->file->layers[t->first_layer + layer].image);
+    uint32_t minified = n->silmap->minified[layer];
+    view->silmap = n->silmap;
+    view->samples = slot_of(g, n->silmap->samples[layer]);
+    view->minified = minified == ZT_NONE ? ZT_NONE : slot_of(g, minified);
+    return view->samples;
+}
+
+static zt_result fill_node(gathering *g, node *n) {
     uint32_t layer = g->sampler->layer;
     /* Behind a patch that shows it, a texture's first layer is also its coverage. */
     bool base_wanted = layer == 0 || n->texture != g->top;
@@ -131,9 +146,9 @@ static zt_result fill_node(gathering *g, node *n) {
     n->layer = ZT_NONE;
     if (!n->zipmap) {
         if (base_wanted)
-            n->base = slot_of(g, g->file->layers[t->first_layer].image);
+            n->base = layer_slot(g, n, 0, &n->base_view);
         if (layer > 0)
-            n->layer = slot_of(g, g->file->layers[t->first_layer + layer].image);
+            n->layer = layer_slot(g, n, layer, &n->layer_view);
         return ZT_OK;
     }
     bool patches = shown_zipmap(g, n->texture) != NULL;
@@ -176,8 +191,8 @@ static zt_result check_options(const zt_file *file, uint32_t texture, const zt_s
     if (o->size != 0 && o->size != sizeof *o)
         return zt__bad_argument(diag, "zt_sampler_options.size is not sizeof(zt_sampler_options)");
     const zt__texture *t = &file->textures[texture];
-    if (t->entry.kind == ZT_KIND_ZIPMAP && !t->payload)
-        return zt__bad_argument(diag, "the texture has no patches that could be read");
+    if (!zt__is_readable(file, texture))
+        return zt__bad_argument(diag, "the texture could not be read");
     if (o->layer >= t->entry.layer_count)
         return zt__bad_argument(diag, "no such layer of the texture");
     if (o->filter != ZT_FILTER_TRILINEAR && o->filter != ZT_FILTER_BILINEAR && o->filter != ZT_FILTER_NEAREST)
@@ -238,10 +253,18 @@ void zt_sampler_close(zt_sampler *sampler) {
 typedef struct sampling {
     const zt_sampler *sampler;
     zt__sample_call call;
+    zt__silmap_scratch silmaps;
     uint32_t shown; /* textures for the present point */
 } sampling;
 
 static zt_result show(void *user, uint32_t index, const zt_point *point, zt__colours out);
+
+static zt_result sample_layer(sampling *s, const node *n, uint32_t slot, const zt__silmap_view *view,
+                              const uint8_t wraps[3], const zt_point *point, float *out) {
+    if (n->silmap)
+        return zt__sample_silmap(&s->call, &s->silmaps, view, wraps, point, out);
+    return zt__sample_image_at(&s->call, slot, wraps, point, out);
+}
 
 static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3], const zt_point *point,
                              zt__colours out) {
@@ -252,9 +275,9 @@ static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3]
         return zt__sample_zipmap(&s->call, &view, wraps, point, &shower, out);
     }
     if (out.base)
-        ZT_TRY(zt__sample_image_at(&s->call, n->base, wraps, point, out.base));
+        ZT_TRY(sample_layer(s, n, n->base, &n->base_view, wraps, point, out.base));
     if (out.layer)
-        ZT_TRY(zt__sample_image_at(&s->call, n->layer, wraps, point, out.layer));
+        ZT_TRY(sample_layer(s, n, n->layer, &n->layer_view, wraps, point, out.layer));
     return ZT_OK;
 }
 

@@ -1,21 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Writing textures whose payload the file layer knows nothing of. */
 #include "file_write.h"
-#include "zipmap_payload.h"
+#include "texture.h"
 
-static zt_result encode_payload(zt_writer *w, zt__encoder *encoder, const void *payload, zt_diag *diag, uint8_t **bytes,
+static zt_result encode_payload(zt__encoder *encoder, uint8_t kind, const void *payload, zt_diag *diag, uint8_t **bytes,
                                 uint64_t *capacity, size_t *size) {
-    (void)w;
     /* The option raw_only is for tiles. */
     zt__encoder any = *encoder;
     any.raw_only = false;
-    return zt__encode_zipmap(&any, payload, diag, bytes, capacity, size);
+    return zt__kind_of(kind)->encode(&any, payload, diag, bytes, capacity, size);
 }
 
-static void free_payload(zt_writer *w, void *payload) {
-    zt__zipmap *zipmap = payload;
-    if (zipmap)
-        zt__free(&w->memory, zipmap, 1, zipmap->block_size);
+static void free_payload(zt_writer *w, uint8_t kind, void *payload) {
+    if (payload)
+        zt__free(&w->memory, payload, 1, (size_t)zt__kind_of(kind)->block_size(payload));
 }
 
 static const zt__write_hooks hooks = {encode_payload, free_payload};
@@ -29,6 +27,48 @@ static uint32_t texture_layers(const void *user, uint32_t texture) {
     const zt_writer *w = user;
     return texture < w->texture_count ? w->textures[texture].entry.layer_count : 0;
 }
+
+/* The scope of the texture that is being added. wraps out of range are found when it is. */
+static zt__payload_scope scope_of(const zt_writer *w, const zt_texture_desc *desc, uint32_t layer_count) {
+    zt__payload_scope scope = {.texture = w->texture_count,
+                               .layer_count = layer_count,
+                               .wrap_u = zt__byte_of((unsigned)desc->wrap_u),
+                               .wrap_v = zt__byte_of((unsigned)desc->wrap_v),
+                               .image_count = w->image_count,
+                               .image_of = image_of,
+                               .texture_layers = texture_layers,
+                               .user = w};
+    return scope;
+}
+
+/* What desc says of layers: one of base colour, or its own. */
+static const zt_layer_desc *layers_of(const zt_texture_desc *desc, uint32_t *count) {
+    static const zt_layer_desc single = {ZT_SEMANTIC_BASE_COLOUR, 0};
+    *count = desc->layer_count > 0 ? desc->layer_count : 1;
+    return desc->layer_count > 0 ? desc->layers : &single;
+}
+
+/* Appends the texture; the payload is freed when that fails. */
+static zt_result add_texture(zt_writer *w, const zt_texture_desc *desc, zt_kind kind, void *payload, zt_diag *diag,
+                             uint32_t *texture) {
+    uint32_t layer_count;
+    const zt_layer_desc *layers = layers_of(desc, &layer_count);
+    w->hooks = &hooks;
+    zt_result r = zt__write_texture_add(w, desc, kind, layers, layer_count, payload, diag, texture);
+    if (r != ZT_OK)
+        free_payload(w, (uint8_t)kind, payload);
+    return r;
+}
+
+static zt_result check_desc(const zt_texture_desc *desc, zt_diag *diag) {
+    if (!desc || (desc->layer_count > 0 && !desc->layers))
+        return zt__bad_argument(diag, "desc or its layers are NULL");
+    if (desc->layer_count > 32)
+        return zt__fail(diag, ZT_BAD_ARGUMENT, 6105, ZT__NO_OFFSET, "a texture has 1 to 32 layers");
+    return ZT_OK;
+}
+
+/* ---- zipmaps ---------------------------------------------------------------------------------------- */
 
 static void fill_patches(zt__zipmap *zipmap, const zt_patch_desc *patches) {
     for (uint32_t i = 0; i < zipmap->patch_count; i++) {
@@ -45,26 +85,19 @@ static void fill_patches(zt__zipmap *zipmap, const zt_patch_desc *patches) {
     }
 }
 
-static zt_result check_patches(zt_writer *w, zt__zipmap *zipmap, zt_diag *diag) {
+static zt_result check_patches(zt_writer *w, zt__zipmap *zipmap, const zt__payload_scope *scope, zt_diag *diag) {
     zt__sink sink = zt__write_sink(diag);
-    zt__zipmap_scope scope = {.texture = w->texture_count,
-                              .layer_count = zipmap->layer_count,
-                              .image_count = w->image_count,
-                              .image_of = image_of,
-                              .texture_layers = texture_layers,
-                              .user = w};
     zt__enter(&sink, "texture %u", (unsigned)w->texture_count);
-    return zt__write_verdict(diag, zt__check_zipmap(&sink, zipmap, &scope, ZT__NO_OFFSET));
+    return zt__write_verdict(diag, zt__check_zipmap(&sink, zipmap, scope, ZT__NO_OFFSET));
 }
 
-static zt_result check_arguments(const zt_writer *w, const zt_texture_desc *desc, const zt_patch_desc *patches,
-                                 uint32_t count, zt_diag *diag) {
-    if (!desc || !patches || (desc->layer_count > 0 && !desc->layers))
-        return zt__bad_argument(diag, "desc, its layers, or the patches are NULL");
+static zt_result check_zipmap_arguments(const zt_writer *w, const zt_texture_desc *desc, const zt_patch_desc *patches,
+                                        uint32_t count, zt_diag *diag) {
+    ZT_TRY(check_desc(desc, diag));
+    if (!patches)
+        return zt__bad_argument(diag, "the patches are NULL");
     if (count == 0)
         return zt__fail(diag, ZT_BAD_ARGUMENT, 8101, ZT__NO_OFFSET, "a zipmap has a root at least");
-    if (desc->layer_count > 32)
-        return zt__fail(diag, ZT_BAD_ARGUMENT, 6105, ZT__NO_OFFSET, "a texture has 1 to 32 layers");
     if (count > w->limits.patches)
         return zt__fail(diag, ZT_LIMIT, 0, ZT__NO_OFFSET, "more patches than zt_limits.patches");
     for (uint32_t i = 0; i < count; i++)
@@ -76,18 +109,17 @@ static zt_result check_arguments(const zt_writer *w, const zt_texture_desc *desc
 static zt_result add_zipmap(zt_writer *w, const zt_texture_desc *desc, const zt_patch_desc *patches, uint32_t count,
                             zt_diag *diag, uint32_t *texture) {
     zt__zipmap *zipmap;
-    zt_layer_desc single = {ZT_SEMANTIC_BASE_COLOUR, 0};
-    const zt_layer_desc *layers = desc->layer_count > 0 ? desc->layers : &single;
-    uint32_t layer_count = desc->layer_count > 0 ? desc->layer_count : 1;
-    w->hooks = &hooks;
+    uint32_t layer_count;
+    layers_of(desc, &layer_count);
+    zt__payload_scope scope = scope_of(w, desc, layer_count);
     ZT_TRY(zt__zipmap_new(&w->memory, count, layer_count, diag, &zipmap));
     fill_patches(zipmap, patches);
-    zt_result r = check_patches(w, zipmap, diag);
-    if (r == ZT_OK)
-        r = zt__write_texture_add(w, desc, ZT_KIND_ZIPMAP, layers, layer_count, zipmap, diag, texture);
-    if (r != ZT_OK)
-        free_payload(w, zipmap);
-    return r;
+    zt_result r = check_patches(w, zipmap, &scope, diag);
+    if (r != ZT_OK) {
+        free_payload(w, ZT_KIND_ZIPMAP, zipmap);
+        return r;
+    }
+    return add_texture(w, desc, ZT_KIND_ZIPMAP, zipmap, diag, texture);
 }
 
 zt_result zt_writer_add_zipmap(zt_writer *writer, const zt_texture_desc *desc, const zt_patch_desc *patches,
@@ -95,6 +127,50 @@ zt_result zt_writer_add_zipmap(zt_writer *writer, const zt_texture_desc *desc, c
     if (texture)
         *texture = 0;
     ZT_TRY(zt__writer_begin(writer, diag));
-    ZT_TRY(check_arguments(writer, desc, patches, patch_count, diag));
+    ZT_TRY(check_zipmap_arguments(writer, desc, patches, patch_count, diag));
     return zt__writer_end(writer, add_zipmap(writer, desc, patches, patch_count, diag, texture));
+}
+
+/* ---- silmaps ---------------------------------------------------------------------------------------- */
+
+static void fill_silmap(zt__silmap *silmap, const zt_silmap_desc *desc) {
+    memcpy(silmap->cells, desc->cells, (size_t)silmap->cell_count);
+    for (uint32_t k = 0; k < silmap->header.layer_count; k++) {
+        silmap->samples[k] = desc->samples[k];
+        silmap->minified[k] = desc->minified ? desc->minified[k] : ZT_NONE;
+    }
+    zt__tidy_silmap(silmap);
+}
+
+static zt_result add_silmap(zt_writer *w, const zt_texture_desc *desc, const zt_silmap_desc *from, zt_diag *diag,
+                            uint32_t *texture) {
+    zt__silmap *silmap;
+    zt__sink sink = zt__write_sink(diag);
+    zt__silmap_header header = {.cells_x = from->cells_x,
+                                .cells_y = from->cells_y,
+                                .cell_layers = zt__max32(from->cell_layers, 1),
+                                .filter = zt__byte_of((unsigned)from->filter)};
+    layers_of(desc, &header.layer_count);
+    zt__payload_scope scope = scope_of(w, desc, header.layer_count);
+    zt__enter(&sink, "texture %u", (unsigned)w->texture_count);
+    ZT_TRY(zt__write_verdict(diag, zt__check_silmap_header(&sink, &header, &scope, ZT__NO_OFFSET)));
+    ZT_TRY(zt__silmap_new(&w->memory, &header, &scope, diag, &silmap));
+    fill_silmap(silmap, from);
+    zt_result r = zt__write_verdict(diag, zt__check_silmap(&sink, silmap, &scope, ZT__NO_OFFSET));
+    if (r != ZT_OK) {
+        free_payload(w, ZT_KIND_SILMAP, silmap);
+        return r;
+    }
+    return add_texture(w, desc, ZT_KIND_SILMAP, silmap, diag, texture);
+}
+
+zt_result zt_writer_add_silmap(zt_writer *writer, const zt_texture_desc *desc, const zt_silmap_desc *silmap,
+                               zt_diag *diag, uint32_t *texture) {
+    if (texture)
+        *texture = 0;
+    ZT_TRY(zt__writer_begin(writer, diag));
+    ZT_TRY(check_desc(desc, diag));
+    if (!silmap || !silmap->cells || !silmap->samples)
+        return zt__bad_argument(diag, "the silmap, its cells or its samples are NULL");
+    return zt__writer_end(writer, add_silmap(writer, desc, silmap, diag, texture));
 }

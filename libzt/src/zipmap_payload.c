@@ -79,7 +79,7 @@ zt_result zt__zipmap_new(zt__memory *memory, uint32_t patch_count, uint32_t laye
 typedef struct checking {
     zt__sink *sink;
     zt__zipmap *zipmap;
-    const zt__zipmap_scope *scope;
+    const zt__payload_scope *scope;
     uint64_t offset;
     uint32_t root_layers; /* array layers of the root's first image */
 } checking;
@@ -146,7 +146,7 @@ static zt_result check_shape(const checking *c, uint32_t i, const zt__image_reco
 
 /* 8105 and 8108 for a patch that shows images. */
 static zt_result check_images(checking *c, uint32_t i) {
-    const zt__zipmap_scope *scope = c->scope;
+    const zt__payload_scope *scope = c->scope;
     for (uint32_t l = 0; l < c->zipmap->layer_count; l++) {
         uint32_t index = source_of(c->zipmap, l, i);
         const zt__image_record *image = index < scope->image_count ? scope->image_of(scope->user, index) : NULL;
@@ -162,7 +162,7 @@ static zt_result check_images(checking *c, uint32_t i) {
 /* 8106 to 8108. */
 static zt_result check_coverage(const checking *c, uint32_t i) {
     const zt__zipmap *z = c->zipmap;
-    const zt__zipmap_scope *scope = c->scope;
+    const zt__payload_scope *scope = c->scope;
     uint32_t mask = z->masks[i];
     if (mask != ZT_NONE) {
         const zt__image_record *image = mask < scope->image_count ? scope->image_of(scope->user, mask) : NULL;
@@ -230,7 +230,7 @@ static zt_result check_patch(checking *c, uint32_t i) {
     return check_matrix(c, i);
 }
 
-zt_result zt__check_zipmap(zt__sink *sink, zt__zipmap *zipmap, const zt__zipmap_scope *scope, uint64_t offset) {
+zt_result zt__check_zipmap(zt__sink *sink, zt__zipmap *zipmap, const zt__payload_scope *scope, uint64_t offset) {
     checking c = {sink, zipmap, scope, offset, 1};
     ZT_RULE(sink, 8101, zipmap->patch_count >= 1 && zipmap->patch_count <= UINT32_C(1) << 24, offset, "%u patches",
             zipmap->patch_count);
@@ -276,7 +276,7 @@ static zt_result read_planes(planes *p, zt__zipmap *z, double *column) {
 
 /* The header: rule 8101 and the limit on patches, before anything is allocated. Constant planes store nothing, so the
  * chunk's size bounds no count. */
-static zt_result read_header(planes *p, const zt_limits *limits, const zt__zipmap_scope *scope, uint32_t *patch_count,
+static zt_result read_header(planes *p, const zt_limits *limits, const zt__payload_scope *scope, uint32_t *patch_count,
                              bool *ok) {
     *patch_count = zt__take32(&p->in);
     uint32_t layer_count = zt__take32(&p->in);
@@ -296,7 +296,7 @@ static zt_result read_header(planes *p, const zt_limits *limits, const zt__zipma
 }
 
 zt_result zt__decode_zipmap(zt__sink *sink, zt__memory *memory, zt__decoder *decoder, const zt_limits *limits,
-                            const uint8_t *data, size_t size, const zt__zipmap_scope *scope, uint64_t offset,
+                            const uint8_t *data, size_t size, const zt__payload_scope *scope, uint64_t offset,
                             zt__zipmap **out) {
     planes p = {sink, decoder, zt__cursor_of(data, size), offset};
     uint32_t count;

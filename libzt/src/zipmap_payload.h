@@ -16,21 +16,12 @@ typedef struct zt__zipmap {
     double (*composed)[9]; /* [patch]: root to patch */
 } zt__zipmap;
 
-/* Rules 8101 to 8111 over a decoded payload; image_of looks up records (NULL: index out of range). composed is filled. texture: own index.
- * Used by loader, validator and writer. */
-typedef struct zt__zipmap_scope {
-    uint32_t texture, layer_count;
-    uint32_t image_count;
-    const zt__image_record *(*image_of)(const void *user, uint32_t image);
-    uint32_t (*texture_layers)(const void *user, uint32_t texture); /* layer count of an earlier texture */
-    const void *user;
-} zt__zipmap_scope;
-
-zt_result zt__check_zipmap(zt__sink *sink, zt__zipmap *zipmap, const zt__zipmap_scope *scope, uint64_t offset);
+/* Rules 8101 to 8111 over a decoded payload; composed is filled. Used by loader, validator and writer. */
+zt_result zt__check_zipmap(zt__sink *sink, zt__zipmap *zipmap, const zt__payload_scope *scope, uint64_t offset);
 
 /* Decodes a ZPMP chunk; *out is one block, freed with zt__free(memory, z, 1, z->block_size). */
 zt_result zt__decode_zipmap(zt__sink *sink, zt__memory *memory, zt__decoder *decoder, const zt_limits *limits,
-                            const uint8_t *data, size_t size, const zt__zipmap_scope *scope, uint64_t offset,
+                            const uint8_t *data, size_t size, const zt__payload_scope *scope, uint64_t offset,
                             zt__zipmap **out);
 
 /* Allocates a zipmap with its arrays, all zero. */

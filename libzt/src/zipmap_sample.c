@@ -114,25 +114,6 @@ static zt_result add_patches(blending *b, double u, double v, const zt_point *ro
     return ZT_OK;
 }
 
-/* Into [0, 1]; false: outside of a border. */
-static bool wrap_unit(double *u, uint8_t wrap) {
-    double m;
-    switch (wrap) {
-    case ZT_WRAP_REPEAT:
-        *u -= floor(*u);
-        return true;
-    case ZT_WRAP_MIRROR:
-        m = *u - 2.0 * floor(*u / 2.0);
-        *u = m > 1.0 ? 2.0 - m : m;
-        return true;
-    case ZT_WRAP_CLAMP:
-        *u = fmin(fmax(*u, 0.0), 1.0);
-        return true;
-    default:
-        return *u >= 0.0 && *u <= 1.0;
-    }
-}
-
 zt_result zt__sample_zipmap(zt__sample_call *call, const zt__zipmap_view *view, const uint8_t wraps[3],
                             const zt_point *point, const zt__show_texture *show, zt__colours out) {
     blending b = {call, view, show, out, 1.0f};
@@ -146,8 +127,8 @@ zt_result zt__sample_zipmap(zt__sample_call *call, const zt__zipmap_view *view, 
         if (out.layer)
             out.layer[c] = 0.0f;
     }
-    bool inside = wrap_unit(&u, wraps[0]);
-    inside = wrap_unit(&v, wraps[1]) && inside;
+    bool inside = zt__wrap_unit(&u, wraps[0]);
+    inside = zt__wrap_unit(&v, wraps[1]) && inside;
     if (view->grid && inside)
         ZT_TRY(add_patches(&b, u, v, point));
     if (b.rest < 0x1p-16f)

@@ -10,33 +10,9 @@
 #include "sha256.h"
 #include "test.h"
 
-enum { MOST_RULES = 16, LINE_SIZE = 1 << 16 };
+enum { MOST_RULES = 16 };
 
 static uint32_t levels_compared;
-
-/* ---- manifests: one entry a line ---- */
-
-/* The text behind "key": in a line, or NULL. */
-static const char *value_of(const char *line, const char *key) {
-    char pattern[64];
-    snprintf(pattern, sizeof pattern, "\"%s\": ", key);
-    const char *at = strstr(line, pattern);
-    return at ? at + strlen(pattern) : NULL;
-}
-
-static void string_of(const char *line, const char *key, char *out, size_t size) {
-    const char *value = value_of(line, key);
-    size_t n = 0;
-    assert(value && *value == '"');
-    for (value++; *value != '"' && n + 1 < size; value++)
-        out[n++] = *value;
-    out[n] = 0;
-}
-
-static uint32_t number_of(const char *line, const char *key) {
-    const char *value = value_of(line, key);
-    return value ? (uint32_t)strtoul(value, NULL, 10) : 0;
-}
 
 /* ---- valid ---- */
 
@@ -186,21 +162,6 @@ static void test_invalid(const char *line) {
     if (strcmp(severity, "error") == 0)
         test_opening(&e, b);
     blob_free(b);
-}
-
-static uint32_t each_line(const char *path, void test(const char *line)) {
-    static char line[LINE_SIZE];
-    uint32_t count = 0;
-    FILE *file = fopen(path, "r");
-    assert(file);
-    while (fgets(line, sizeof line, file)) {
-        if (value_of(line, "file")) {
-            test(line);
-            count++;
-        }
-    }
-    fclose(file);
-    return count;
 }
 
 int main(void) {

@@ -27,6 +27,22 @@ static void count_free(void *user, void *ptr, size_t size) {
     free(ptr);
 }
 
+static zt_result add_silmap(zt_writer *w, const uint8_t *texels) {
+    static uint8_t cells[40 * 30];
+    zt_image_desc image = {.format = 43, .width = 41, .height = 31, .levels = 1, .tile_edge = 16};
+    zt_texture_desc desc = {.name = "silmap", .wrap_u = ZT_WRAP_CLAMP, .wrap_v = ZT_WRAP_CLAMP};
+    zt_diag diag;
+    zt_result r;
+    uint32_t samples, t;
+    for (size_t i = 0; i < sizeof cells; i++) /* no arm leaves the texture */
+        cells[i] = (uint8_t)(i % 40 == 0 || i < 40 ? 0x24 : texels[i] << 4 | texels[i + 1]);
+    if ((r = zt_writer_add_image(w, &image, &diag, &samples)) != ZT_OK ||
+        (r = zt_writer_put_rows(w, samples, texels, 31, 0, &diag)) != ZT_OK)
+        return r;
+    zt_silmap_desc silmap = {.cells_x = 40, .cells_y = 30, .cells = cells, .samples = &samples};
+    return zt_writer_add_silmap(w, &desc, &silmap, &diag, &t);
+}
+
 static zt_result fill_writer(zt_writer *w, const uint8_t *texels) {
     uint32_t a, b, t;
     zt_diag diag;
@@ -49,6 +65,8 @@ static zt_result fill_writer(zt_writer *w, const uint8_t *texels) {
                                 {.sources = &patch_source, .mask = ZT_NONE, .matrix = {4, 0, -1, 0, 4, -1, 0, 0, 1}}};
     zt_texture_desc zipmap = {.name = "zipmap"};
     if ((r = zt_writer_add_zipmap(w, &zipmap, patches, 2, &diag, &t)) != ZT_OK)
+        return r;
+    if ((r = add_silmap(w, texels)) != ZT_OK)
         return r;
     if ((r = zt_writer_set_metadata(w, "zt.title", "title", &diag)) != ZT_OK ||
         (r = zt_writer_set_metadata(w, "zt.title", "other", &diag)) != ZT_OK ||

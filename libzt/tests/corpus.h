@@ -51,6 +51,46 @@ static inline void blob_free(blob b) {
     free(b.data);
 }
 
+/* ---- manifests: one entry a line ---- */
+
+/* The text behind "key": in a line, or NULL. */
+static inline const char *value_of(const char *line, const char *key) {
+    char pattern[64];
+    snprintf(pattern, sizeof pattern, "\"%s\": ", key);
+    const char *at = strstr(line, pattern);
+    return at ? at + strlen(pattern) : NULL;
+}
+
+static inline void string_of(const char *line, const char *key, char *out, size_t size) {
+    const char *value = value_of(line, key);
+    size_t n = 0;
+    assert(value && *value == '"');
+    for (value++; *value != '"' && n + 1 < size; value++)
+        out[n++] = *value;
+    out[n] = 0;
+}
+
+static inline uint32_t number_of(const char *line, const char *key) {
+    const char *value = value_of(line, key);
+    return value ? (uint32_t)strtoul(value, NULL, 10) : 0;
+}
+
+/* Calls test with each line that has an entry; returns their number. */
+static inline uint32_t each_line(const char *path, void test(const char *line)) {
+    static char line[1 << 16];
+    uint32_t count = 0;
+    FILE *file = fopen(path, "r");
+    assert(file);
+    while (fgets(line, sizeof line, file)) {
+        if (value_of(line, "file")) {
+            test(line);
+            count++;
+        }
+    }
+    fclose(file);
+    return count;
+}
+
 /* Not for several threads at once. */
 typedef struct counting {
     zt_allocator allocator;

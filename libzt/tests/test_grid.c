@@ -168,7 +168,8 @@ static uint32_t texture_layers(const void *user, uint32_t texture) {
 /* Entries over many orders: those matrices that the rules let pass, however close to singular. */
 static void check_degenerate(zt__memory *memory) {
     static const double decades[] = {1, 3, 12, 150};
-    const zt__zipmap_scope scope = {0, 1, 1, image_of, texture_layers, NULL};
+    const zt__payload_scope scope = {
+        .layer_count = 1, .image_count = 1, .image_of = image_of, .texture_layers = texture_layers};
     uint64_t seed = 123;
     uint32_t passed = 0;
     for (uint32_t round = 0; round < 20000; round++) {

@@ -8,9 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
+#include "fence.h"
 #include "file_pred.h"
 #include "test.h"
 
@@ -22,31 +21,6 @@ static uint32_t below(uint32_t n) {
 
 static uint32_t next_random(void) {
     return (uint32_t)(test_random(&seed_state) >> 32);
-}
-
-/* Memory whose last byte (or first, when low) is next to a page without access. */
-typedef struct fenced {
-    uint8_t *pages;
-    size_t page_count;
-} fenced;
-
-static fenced fence(size_t size) {
-    size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    fenced f = {NULL, (size + page - 1) / page + 3};
-    f.pages = mmap(NULL, f.page_count * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    CHECK(f.pages != MAP_FAILED);
-    CHECK(mprotect(f.pages, page, PROT_NONE) == 0);
-    CHECK(mprotect(f.pages + (f.page_count - 1) * page, page, PROT_NONE) == 0);
-    return f;
-}
-
-static uint8_t *fenced_block(const fenced *f, size_t size, bool low) {
-    size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    return low ? f->pages + page : f->pages + (f->page_count - 1) * page - size;
-}
-
-static void unfence(fenced *f) {
-    munmap(f->pages, f->page_count * (size_t)sysconf(_SC_PAGESIZE));
 }
 
 enum { CONTENTS = 10 };
@@ -89,7 +63,7 @@ static void paint(const zt__pred_shape *shape, uint32_t content, uint8_t *texels
 typedef struct bench {
     zt__pred_shape shape;
     size_t raw_size, scratch_size;
-    fenced stored, dst, scratch;
+    fence stored, dst, scratch;
     uint8_t *texels, *work, *encoded, *expected;
     size_t encoded_size;
 } bench;
@@ -99,9 +73,9 @@ static void bench_open(bench *b, const zt__pred_shape *shape) {
     CHECK(zt__pred_shape_ok(shape));
     b->raw_size = (size_t)shape->width * shape->height * shape->channels * shape->channel_bytes;
     b->scratch_size = zt__pred_scratch_size(shape);
-    b->stored = fence(2 * b->raw_size + 8192);
-    b->dst = fence(b->raw_size);
-    b->scratch = fence(b->scratch_size + 64);
+    b->stored = fence_open(2 * b->raw_size + 8192);
+    b->dst = fence_open(b->raw_size);
+    b->scratch = fence_open(b->scratch_size + 64);
     b->texels = malloc(b->raw_size);
     b->expected = malloc(b->raw_size);
     b->encoded = malloc(2 * b->raw_size + 8192);
@@ -110,9 +84,9 @@ static void bench_open(bench *b, const zt__pred_shape *shape) {
 }
 
 static void bench_close(bench *b) {
-    unfence(&b->stored);
-    unfence(&b->dst);
-    unfence(&b->scratch);
+    fence_close(&b->stored);
+    fence_close(&b->dst);
+    fence_close(&b->scratch);
     free(b->texels);
     free(b->expected);
     free(b->encoded);
@@ -122,8 +96,8 @@ static void bench_close(bench *b) {
 /* Decodes bytes with one kernel between fences. */
 static uint32_t decode(bench *b, const zt__pred_kernel *kernel, const uint8_t *bytes, size_t size, uint8_t **texels) {
     bool low = below(2) != 0;
-    uint8_t *stored = fenced_block(&b->stored, size, low), *dst = fenced_block(&b->dst, b->raw_size, below(2) != 0);
-    uint8_t *scratch = fenced_block(&b->scratch, (b->scratch_size + 15) & ~(size_t)15, low);
+    uint8_t *stored = fence_block(&b->stored, size, low), *dst = fence_block(&b->dst, b->raw_size, below(2) != 0);
+    uint8_t *scratch = fence_block(&b->scratch, (b->scratch_size + 15) & ~(size_t)15, low);
     memcpy(stored, bytes, size);
     memset(dst, 0xA5, b->raw_size);
     memset(scratch, (int)below(256), b->scratch_size);
@@ -132,7 +106,7 @@ static uint32_t decode(bench *b, const zt__pred_kernel *kernel, const uint8_t *b
     return zt__pred_decode(kernel, &b->shape, stored, size, scratch, dst, pitch);
 }
 
-static const zt__pred_kernel *kernels[4];
+static const zt__pred_kernel *kernels[ZT__PRED_KERNELS];
 static uint32_t kernel_count;
 
 /* All kernels agree with plain C about bytes. Returns the verdict. */
@@ -164,10 +138,10 @@ static void round_trip(const zt__pred_shape *shape, uint32_t content, uint32_t e
     CHECK(memcmp(b.expected, b.texels, b.raw_size) == 0);
     /* A block that is just large enough, and one that is not. */
     size_t pitch = (size_t)shape->width * shape->channels * shape->channel_bytes;
-    uint8_t *exact = fenced_block(&b.stored, b.encoded_size, false);
+    uint8_t *exact = fence_block(&b.stored, b.encoded_size, false);
     CHECK(zt__pred_encode(shape, b.texels, pitch, effort, b.work, exact, b.encoded_size) == b.encoded_size);
     CHECK(memcmp(exact, b.encoded, b.encoded_size) == 0);
-    exact = fenced_block(&b.stored, b.encoded_size - 1, false);
+    exact = fence_block(&b.stored, b.encoded_size - 1, false);
     CHECK(zt__pred_encode(shape, b.texels, pitch, effort, b.work, exact, b.encoded_size - 1) < b.encoded_size);
     bench_close(&b);
 }
@@ -242,11 +216,7 @@ static void mutations(uint32_t count) {
 }
 
 int main(int argc, char **argv) {
-    const zt__pred_kernel *all[4] = {zt__pred_kernel_c(), zt__pred_kernel_vector(), zt__pred_kernel_avx2(),
-                                     zt__pred_kernel_avx512()};
-    for (uint32_t k = 0; k < 4; k++)
-        if (all[k])
-            kernels[kernel_count++] = all[k];
+    kernel_count = zt__pred_kernels(kernels);
     if (argc > 2)
         seed_state += strtoull(argv[2], NULL, 10) * 0x9E3779B97F4A7C15u;
     round_trips();

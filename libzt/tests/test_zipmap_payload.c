@@ -32,7 +32,11 @@ static uint32_t texture_layers(const void *user, uint32_t texture) {
     return texture == 1 ? 5 : LAYERS;
 }
 
-static const zt__zipmap_scope scope = {OWN_TEXTURE, LAYERS, IMAGES, image_of, texture_layers, NULL};
+static const zt__payload_scope scope = {.texture = OWN_TEXTURE,
+                                        .layer_count = LAYERS,
+                                        .image_count = IMAGES,
+                                        .image_of = image_of,
+                                        .texture_layers = texture_layers};
 
 static void set_sources(zt__zipmap *z, uint32_t patch, uint32_t first, uint32_t second, uint32_t mask) {
     z->sources[patch] = first;

@@ -46,7 +46,7 @@
  *   the right, v down, (0, 0) being the outer corner of the first texel. Matrices are row-major. Texels are little-endian
  *   on every machine.
  * - Untrusted files. Every function may be given any bytes. zt_limits apply before memory is allocated.
- * Rule numbers, chunks and fields are those of spec/ztex.md and spec/zipmap.md.
+ * Rule numbers, chunks and fields are those of spec/ztex.md, spec/zipmap.md and spec/silmap.md.
  */
 #ifndef ZT_ZT_H
 #define ZT_ZT_H
@@ -203,7 +203,7 @@ ZT_API zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info
  * libzt does not know. Errors: ZT_BAD_ARGUMENT, ZT_LIMIT (memory), reading and decoding errors. */
 ZT_API zt_result zt_read_chunk(const zt_file *file, uint32_t chunk, void *dst, size_t dst_size, zt_diag *diag);
 
-typedef enum zt_kind { ZT_KIND_IMAGE = 0, ZT_KIND_ZIPMAP = 1 } zt_kind;
+typedef enum zt_kind { ZT_KIND_IMAGE = 0, ZT_KIND_ZIPMAP = 1, ZT_KIND_SILMAP = 2 } zt_kind;
 
 typedef enum zt_wrap { ZT_WRAP_REPEAT = 0, ZT_WRAP_MIRROR = 1, ZT_WRAP_CLAMP = 2, ZT_WRAP_BORDER = 3 } zt_wrap;
 
@@ -243,7 +243,7 @@ ZT_API uint32_t zt_find_texture(const zt_file *file, const char *name);
 
 typedef struct zt_layer_info {
     uint32_t semantic; /* zt_semantic, or another number */
-    uint32_t image;    /* kind image: its image; else the root's image of this layer */
+    uint32_t image;    /* kind image: its image; zipmap: the root's; silmap: the sample image */
 } zt_layer_info;
 
 ZT_API zt_result zt_get_layer(const zt_file *file, uint32_t texture, uint32_t layer, zt_layer_info *out);
@@ -303,6 +303,67 @@ ZT_API zt_result zt_get_patch(const zt_file *file, uint32_t texture, uint32_t pa
 
 /* The image that a patch shows in a layer, or ZT_NONE (out of range, or the patch shows a texture). */
 ZT_API uint32_t zt_get_patch_image(const zt_file *file, uint32_t texture, uint32_t patch, uint32_t layer);
+
+/* silmap.md section 5 */
+typedef enum zt_silmap_filter {
+    ZT_SILMAP_CONTINUOUS = 0,
+    ZT_SILMAP_SEN2004 = 1,
+    ZT_SILMAP_NEAREST = 2
+} zt_silmap_filter;
+
+typedef struct zt_silmap_info {
+    uint32_t cells_x, cells_y;
+    uint32_t cell_layers; /* 1, or the array layers of the sample images */
+    zt_silmap_filter filter;
+    /* cells_x x cells_y x cell_layers bytes, row by row from the top, layer after layer: what a GPU texture of format R8_UINT
+     * wants. Lives until zt_close. */
+    const uint8_t *cells;
+} zt_silmap_info;
+
+/* Errors: ZT_BAD_ARGUMENT (also for other kinds). */
+ZT_API zt_result zt_get_silmap(const zt_file *file, uint32_t texture, zt_silmap_info *out);
+
+/* The minified image of a silmap's layer, or ZT_NONE (out of range, another kind, or there is none). zt_get_layer gives the sample image. */
+ZT_API uint32_t zt_get_silmap_minified(const zt_file *file, uint32_t texture, uint32_t layer);
+
+/* A cell byte: the point is ((x + 1/2) / 8, (y + 1/2) / 8) */
+#define ZT_SILMAP_DEFAULT UINT8_C(0x24) /* the centre, nothing cut */
+#define ZT_SILMAP_X UINT8_C(0x07)
+#define ZT_SILMAP_Y UINT8_C(0x38) /* shifted left by 3 */
+#define ZT_SILMAP_WEST UINT8_C(0x40)
+#define ZT_SILMAP_NORTH UINT8_C(0x80)
+
+/* A cell and its neighbours' bytes, those that are missing ZT_SILMAP_DEFAULT. */
+typedef struct zt_silmap_cell {
+    uint8_t own, west, north, east, south;
+} zt_silmap_cell;
+
+/* Quadrants and corners: */
+enum { ZT_SILMAP_00 = 0, ZT_SILMAP_10 = 1, ZT_SILMAP_01 = 2, ZT_SILMAP_11 = 3 };
+
+/* The quadrant of a point of the cell, x and y 0 to 1 (silmap.md section 4). */
+ZT_API int zt_silmap_quadrant(const zt_silmap_cell *cell, double x, double y);
+
+/* The weights of the four corners at a point for a quadrant, usually its own (section 5). They sum to 1. For ZT_SILMAP_SEN2004 they
+ * may be below 0 or above 1: then the caller brings each channel into the range of the corners in the set that is returned (bit
+ * k: corner k); 0 when there is nothing to do. Not finite or outside of 0 to 1: undefined weights, nothing worse. */
+ZT_API unsigned zt_silmap_weights(zt_silmap_filter filter, const zt_silmap_cell *cell, int quadrant, double x, double y,
+                                  double weights[4]);
+
+/* A cell prepared for many questions: its point and its neighbours', in its own coordinates, and which of its arms are cut. The answers are those
+ * of the two functions above. */
+enum { ZT_SILMAP_CUT_NORTH = 1, ZT_SILMAP_CUT_EAST = 2, ZT_SILMAP_CUT_SOUTH = 4, ZT_SILMAP_CUT_WEST = 8 };
+typedef struct zt_silmap_shape {
+    double px, py, wx, wy, nx, ny, ex, ey, sx, sy;
+    unsigned cut; /* set of ZT_SILMAP_CUT_... */
+} zt_silmap_shape;
+ZT_API void zt_silmap_shape_of(const zt_silmap_cell *cell, zt_silmap_shape *out);
+ZT_API int zt_silmap_shape_quadrant(const zt_silmap_shape *shape, double x, double y);
+ZT_API unsigned zt_silmap_shape_weights(zt_silmap_filter filter, const zt_silmap_shape *shape, int quadrant, double x,
+                                        double y, double weights[4]);
+
+/* The areas of the four quadrants (section 7); they sum to 1. */
+ZT_API void zt_silmap_areas(const zt_silmap_cell *cell, double areas[4]);
 
 /* Metadata. zt_load_metadata reads the META chunk on first use (any thread) and gives the number of pairs; 0 without
  * META. Keys are sorted by bytes. Key and value are UTF-8 and NUL-terminated. */
@@ -409,7 +470,7 @@ ZT_API zt_result zt_query_extents(const zt_file *file, const zt_request *request
 
 typedef enum zt_filter { ZT_FILTER_TRILINEAR = 0, ZT_FILTER_BILINEAR = 1, ZT_FILTER_NEAREST = 2 } zt_filter;
 
-/* A texture ready for lookups: the reference implementation of ztex.md section 12 and zipmap.md section 3. Tiles are
+/* A texture ready for lookups: the reference implementation of ztex.md section 12, zipmap.md section 3 and silmap.md section 6. Tiles are
  * decoded when a lookup first touches them and kept until the sampler is closed, within zt_limits.memory. */
 typedef struct zt_sampler zt_sampler;
 

@@ -12,7 +12,8 @@
  *     zt_writer_finish(writer, &diag);
  *     zt_writer_close(writer);
  *
- * Texels stream: a writer holds a few rows and tiles of each image that is being written, never a whole level.
+ * Texels stream: a writer holds a few rows and tiles of each image that is being written, never a whole level (but
+ * see tile_edge).
  * Compressed tiles go to a spool (memory first, then a temporary file beside the output), from which the file is laid
  * out, coarse levels first, when everything is there. A path appears whole or not at all. The same calls give the same
  * bytes, whatever the number of threads and the order in which images are filled.
@@ -47,13 +48,23 @@ typedef struct zt_writer_options {
     const zt_allocator *allocator; /* NULL: malloc */
     const zt_parallel *parallel;   /* NULL: in the calling thread. Copied; its user must live as long as the writer */
     const zt_limits *limits;       /* memory applies to the writer's buffers; NULL: defaults. Copied */
-    int effort;                    /* of compression: 1 (fast) to 9 (small); 0: the default, 5 */
+    int effort;                    /* of compression: 1 (fast) to 9 (small), below; 0: the default, 5 */
     int raw_only;                  /* 1: store tiles raw */
     uint64_t spool_memory; /* bytes of compressed tiles held in memory before a temporary file is used; 0: 64 MiB */
     uint32_t flags;        /* ZT_WRITE_... */
     void *user;
     int (*progress)(void *user, double done); /* during zt_writer_finish, 0 to 1; not 0: ZT_CANCELLED. May be NULL */
 } zt_writer_options;
+
+/* Efforts, each slower and on the whole smaller than the one before; docs/efforts.md has figures. All use the predicted
+ * codec where the format allows it.
+ *     1     its simplest choice of tables; zstd only where the format has no predicted codec, or it gains nothing
+ *     2     zstd also where a quick look promises something
+ *     3, 4  a better choice of tables; higher levels of zstd
+ *     5     where a tile repeats itself, also zstd over predicted residuals, in six forms
+ *     6     a high level of zstd
+ *     7, 8  all tables compared with each other; the six forms everywhere; higher levels of zstd, more of them tried
+ *     9     both colour transforms tried; the tile edge chosen (zt_image_desc) */
 
 /* Errors: ZT_BAD_ARGUMENT, ZT_NO_MEMORY, ZT_IO (the folder cannot be written to). The file at path is not touched
  * before zt_writer_finish replaces it. */
@@ -80,7 +91,7 @@ typedef struct zt_image_desc {
     uint32_t width, height, depth; /* depth 0: 1 */
     uint32_t layers;               /* 0: 1 */
     uint32_t levels;               /* 0: all down to 1 x 1 x 1 */
-    uint32_t tile_edge;            /* in texel blocks: a power of two from 16 to 65536; 0: 256, for block formats 64 */
+    uint32_t tile_edge;            /* in texel blocks: a power of two from 16 to 65536; 0: the usual one, or chosen */
     zt_alpha alpha_mode;
     zt_layer_kind layer_kind;
     uint8_t primaries, transfer; /* CICP; 0: 1 and what the format implies (13 for SRGB formats, else 8) */
@@ -94,6 +105,11 @@ typedef struct zt_image_desc {
      * channel of one-channel images */
     uint8_t zero_border;
 } zt_image_desc;
+
+/* The usual tile edge is 256, for block formats 64. With tile_edge 0 and effort 9 libzt tries that, twice that and one
+ * tile of the whole level, and keeps what makes level 0 smallest: so that a region of it may then mean decoding all of
+ * it. For that it holds level 0, with all layers and slices. It does so only where this takes at most 16 MiB and at
+ * most 1/64 of zt_limits.memory, the levels are not given, and tiles are not stored raw. */
 
 /* How levels are made. Each comes from the unrounded values of the one before, in linear light and premultiplied, so
  * that colour of texels without coverage counts nothing; where coverage is zero, colour is zero, too. Odd sizes are
@@ -128,7 +144,7 @@ ZT_API zt_result zt_writer_put_stored_tile(zt_writer *writer, uint32_t image, ui
 
 typedef struct zt_layer_desc {
     uint32_t semantic; /* zt_semantic */
-    uint32_t image;    /* kind image; ignored for zipmaps */
+    uint32_t image;    /* kind image; ignored for other kinds */
 } zt_layer_desc;
 
 typedef struct zt_texture_desc {
@@ -157,6 +173,27 @@ typedef struct zt_patch_desc {
  * zt_writer_add_texture. */
 ZT_API zt_result zt_writer_add_zipmap(zt_writer *writer, const zt_texture_desc *desc, const zt_patch_desc *patches,
                                       uint32_t patch_count, zt_diag *diag, uint32_t *texture);
+
+typedef struct zt_silmap_desc {
+    uint32_t cells_x, cells_y;
+    uint32_t cell_layers; /* 0: 1 */
+    zt_silmap_filter filter;
+    const uint8_t *cells; /* as in zt_silmap_info */
+    const uint32_t *
+        samples; /* one image for each layer: (cells_x + 1) x (cells_y + 1) texels, one less in a repeating direction */
+    const uint32_t *minified; /* one for each layer or ZT_NONE: cells_x x cells_y texels; NULL: none */
+} zt_silmap_desc;
+
+/* A silmap: desc->layers gives the semantics. Everything is copied. Cells without a cut arm are written as ZT_SILMAP_DEFAULT,
+ * whatever their point. Errors as zt_writer_add_texture. */
+ZT_API zt_result zt_writer_add_silmap(zt_writer *writer, const zt_texture_desc *desc, const zt_silmap_desc *silmap,
+                                      zt_diag *diag, uint32_t *texture);
+
+/* Texels for level 0 of a minified image (silmap.md section 7): cells_x x cells_y x 4 floats out of the samples, four floats each, both
+ * premultiplied linear light. One layer of cells. samples_x and samples_y are cells_x and cells_y, or one more (not repeating).
+ * Errors: ZT_BAD_ARGUMENT. */
+ZT_API zt_result zt_minify_silmap(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, const float *samples,
+                                  uint32_t samples_x, uint32_t samples_y, float *out);
 
 /* ---- the rest ---- */
 
