@@ -57,17 +57,17 @@ struct codec_contender {
     int (*encode)(const codec_contender *self, const codec_picture *picture, codec_bytes *out);
     int (*decode)(const codec_contender *self, const codec_picture *picture, const codec_bytes *in, void *texels);
     int level;     /* the peer's effort or level */
-    unsigned edge; /* ours: texels, 0: the whole level */
+    unsigned edge; /* ours: texels, 0: chosen */
     int threads;   /* ours: 0: in the calling thread, measured in its CPU time; else wall time */
     int bytes_of;
 };
 
-enum { CODEC_EDGES = 4 };
-
 enum {
-    CODEC_DEFAULT, /* ours at the default effort: tile edges 256, 512, 1024, whole level */
-    CODEC_HIGHEST = CODEC_DEFAULT + CODEC_EDGES,
-    CODEC_WALL_1 = CODEC_HIGHEST + CODEC_EDGES, /* edge 256, one thread, wall time */
+    CODEC_DEFAULT, /* ours at the default effort, tile edge 256 */
+    CODEC_DEFAULT_512,
+    CODEC_HIGHEST, /* edge 256 */
+    CODEC_CHOSEN,  /* highest effort, the edge that libzt chooses */
+    CODEC_WALL_1,  /* edge 256, one thread, wall time */
     CODEC_WALL_2,
     CODEC_WALL_1_512,
     CODEC_WALL_2_512,
@@ -83,11 +83,7 @@ enum {
     CODEC_JXL_7,
     CODEC_EXR_ZIP,
     CODEC_EXR_PIZ,
-    CODEC_CONTENDERS,
-    /* out of the figures of the above: for each picture the tile edge that gives the fewest bytes */
-    CODEC_BEST_DEFAULT = CODEC_CONTENDERS,
-    CODEC_BEST_HIGHEST,
-    CODEC_ROWS
+    CODEC_CONTENDERS
 };
 
 extern const codec_contender codec_contenders[CODEC_CONTENDERS];
@@ -97,6 +93,9 @@ const char *codec_row_name(int row);
     int codec_##name##_encode(const codec_contender *self, const codec_picture *picture, codec_bytes *out);     \
     int codec_##name##_decode(const codec_contender *self, const codec_picture *picture, const codec_bytes *in, \
                               void *texels)
+/* Bytes of a KTX2 file beside its levels. */
+size_t codec_ktx2_overhead(unsigned levels, unsigned channels);
+
 CODEC_DECLARE(zt);
 CODEC_DECLARE(copy);
 CODEC_DECLARE(zstd);
@@ -140,7 +139,7 @@ typedef struct codec_figure {
 typedef struct codec_report {
     const codec_picture *pictures;
     size_t count;
-    codec_figure (*figures)[CODEC_ROWS]; /* for each picture */
+    codec_figure (*figures)[CODEC_CONTENDERS]; /* for each picture */
     codec_load load;
     unsigned rounds;
     const char *command;

@@ -5,7 +5,7 @@
 typedef enum {
     SIZE,        /* bytes, ours / peer's, tiles of 256 */
     EVERY_CLASS, /* the same in the worst class */
-    EVERY_BEST,  /* the same of the worst picture, at its best tile edge */
+    EVERY_ONE,   /* the same in the worst picture, highest effort */
     DECODE,      /* speed, ours / peer's, tiles of 256 */
     THREADS,     /* two threads against one */
     ENCODE,      /* MB/s */
@@ -26,8 +26,8 @@ static const goal goals[] = {
     {"bytes / WebP lossless", SIZE, CODEC_ALL_8, CODEC_WEBP, 1, 1.03},
     {"half: bytes / OpenEXR ZIP", SIZE, CODEC_HDR, CODEC_EXR_ZIP, 1, 0.77},
     {"worst class: bytes / PNG 9", EVERY_CLASS, CODEC_ALL_8, CODEC_PNG, 1, 1.0},
-    {"worst picture, best tile edge: bytes / PNG 9", EVERY_BEST, CODEC_ALL_8, CODEC_PNG, 1, 1.0},
-    {"worst picture, best tile edge: bytes / zstd 19", EVERY_BEST, CODEC_ALL_8, CODEC_ZSTD_19, 1, 1.08},
+    {"worst picture: bytes / PNG 9", EVERY_ONE, CODEC_ALL_8, CODEC_PNG, 1, 1.0},
+    {"worst picture: bytes / zstd 19", EVERY_ONE, CODEC_ALL_8, CODEC_ZSTD_19, 1, 1.08},
     {"decode speed / zstd 19", DECODE, CODEC_ALL_8, CODEC_ZSTD_19, 0, 1.6},
     {"decode speed / libpng", DECODE, CODEC_ALL_8, CODEC_PNG, 0, 7},
     {"decode speed / QOI", DECODE, CODEC_ALL_8, CODEC_QOI, 0, 2},
@@ -58,18 +58,17 @@ static double decode_ratio(const codec_report *report, int set, int ours, int pe
 
 /* Negative: not measured, or not a question of effort. */
 static double value_of(const codec_report *report, const goal *g, int highest) {
-    int ours = highest ? CODEC_HIGHEST : CODEC_DEFAULT;
-    int best = highest ? CODEC_BEST_HIGHEST : CODEC_BEST_DEFAULT;
+    int ours = highest ? CODEC_CHOSEN : CODEC_DEFAULT;
     codec_sum encoded = codec_add_up(report, g->set, ours, -1);
     switch (g->kind) {
     case SIZE:
         return size_ratio(report, g->set, ours, g->peer);
     case EVERY_CLASS:
         return worst_size(report, 0, CODEC_GROUPS, ours, g->peer);
-    case EVERY_BEST:
-        return worst_size(report, CODEC_ONE, CODEC_ONE + (int)report->count, best, g->peer);
+    case EVERY_ONE:
+        return highest ? worst_size(report, CODEC_ONE, CODEC_ONE + (int)report->count, ours, g->peer) : -1;
     case DECODE:
-        return decode_ratio(report, g->set, ours, g->peer);
+        return decode_ratio(report, g->set, highest ? CODEC_HIGHEST : CODEC_DEFAULT, g->peer);
     case THREADS:
         return highest ? -1 : decode_ratio(report, g->set, CODEC_WALL_2, CODEC_WALL_1);
     case ENCODE:
@@ -92,13 +91,17 @@ static void print_value(double value, FILE *out) {
 }
 
 void codec_write_goals(const codec_report *report, FILE *out) {
-    fprintf(out, "\n## Goals\n\n8-bit pictures and tiles of 256 where nothing else is said.\n\n"
-                 "| goal | | default effort | highest effort | |\n|---|--:|--:|--:|---|\n");
+    fprintf(
+        out,
+        "\n## Goals\n\n8-bit pictures where nothing else is said, and tiles of 256; for sizes at the highest effort "
+        "libzt chooses the tile edge.\n\n"
+        "| goal | | default effort | highest effort | |\n|---|--:|--:|--:|---|\n");
     for (size_t i = 0; i < sizeof goals / sizeof goals[0]; i++) {
         const goal *g = &goals[i];
         double usual = value_of(report, g, 0), highest = value_of(report, g, 1);
-        const char *verdict = usual < 0            ? "not measured"
-                              : passes(g, usual)   ? "pass"
+        double first = usual < 0 ? highest : usual;
+        const char *verdict = first < 0            ? "not measured"
+                              : passes(g, first)   ? "pass"
                               : passes(g, highest) ? "FAIL, pass at the highest effort"
                                                    : "FAIL";
         fprintf(out, "| %s | %s %g |", g->text, g->at_most ? "at most" : "at least", g->limit);

@@ -102,16 +102,6 @@ static void run(int c, const codec_picture *picture, unsigned round, samples *s,
     }
 }
 
-static void find_best(codec_figure *figures, int first, int row) {
-    codec_figure *best = &figures[first];
-    for (int i = 1; i < CODEC_EDGES; i++) {
-        if (figures[first + i].there && figures[first + i].size < best->size)
-            best = &figures[first + i];
-    }
-    figures[row] = *best;
-    figures[row].encode = 0;
-}
-
 static void settle(samples *s, unsigned rounds, codec_figure *figures) {
     for (int c = 0; c < CODEC_CONTENDERS; c++) {
         const codec_contender *contender = &codec_contenders[c];
@@ -121,8 +111,6 @@ static void settle(samples *s, unsigned rounds, codec_figure *figures) {
         figures[c].encode = codec_median(s->encode[c], s->encodes[c]);
         figures[c].decode = codec_median(s->decode[c], rounds);
     }
-    find_best(figures, CODEC_DEFAULT, CODEC_BEST_DEFAULT);
-    find_best(figures, CODEC_HIGHEST, CODEC_BEST_HIGHEST);
 }
 
 static int measure(codec_report *report) {

@@ -34,13 +34,9 @@ static int takes_half(const codec_picture *picture) {
 
 const codec_contender codec_contenders[CODEC_CONTENDERS] = {
     [CODEC_DEFAULT] = OURS(CODEC_EFFORT_DEFAULT, 256, "ztex, tiles of 256"),
-    [CODEC_DEFAULT + 1] = OURS(CODEC_EFFORT_DEFAULT, 512, "ztex, tiles of 512"),
-    [CODEC_DEFAULT + 2] = OURS(CODEC_EFFORT_DEFAULT, 1024, "ztex, tiles of 1024"),
-    [CODEC_DEFAULT + 3] = OURS(CODEC_EFFORT_DEFAULT, 0, "ztex, one tile"),
+    [CODEC_DEFAULT_512] = OURS(CODEC_EFFORT_DEFAULT, 512, "ztex, tiles of 512"),
     [CODEC_HIGHEST] = OURS(CODEC_EFFORT_HIGHEST, 256, "ztex, highest effort, tiles of 256"),
-    [CODEC_HIGHEST + 1] = OURS(CODEC_EFFORT_HIGHEST, 512, "ztex, highest effort, tiles of 512"),
-    [CODEC_HIGHEST + 2] = OURS(CODEC_EFFORT_HIGHEST, 1024, "ztex, highest effort, tiles of 1024"),
-    [CODEC_HIGHEST + 3] = OURS(CODEC_EFFORT_HIGHEST, 0, "ztex, highest effort, one tile"),
+    [CODEC_CHOSEN] = OURS(CODEC_EFFORT_HIGHEST, 0, "ztex, highest effort, edge chosen"),
     [CODEC_WALL_1] = WALL(256, 1, "ztex, tiles of 256, 1 thread"),
     [CODEC_WALL_2] = WALL(256, 2, "ztex, tiles of 256, 2 threads"),
     [CODEC_WALL_1_512] = WALL(512, 1, "ztex, tiles of 512, 1 thread"),
@@ -60,10 +56,6 @@ const codec_contender codec_contenders[CODEC_CONTENDERS] = {
 };
 
 const char *codec_row_name(int row) {
-    if (row == CODEC_BEST_DEFAULT)
-        return "ztex, best tile edge";
-    if (row == CODEC_BEST_HIGHEST)
-        return "ztex, highest effort, best tile edge";
     return codec_contenders[row].name;
 }
 

@@ -49,21 +49,13 @@ static uint32_t format_of(const codec_picture *picture) {
     return picture->channels == 1 ? 9 : picture->channels == 3 ? 23 : 37; /* R8, R8G8B8, R8G8B8A8_UNORM */
 }
 
-/* The smallest edge with which the level is one tile. */
-static uint32_t whole_edge(const codec_picture *picture) {
-    uint32_t edge = 16;
-    while (edge < picture->width || edge < picture->height)
-        edge *= 2;
-    return edge;
-}
-
 int codec_zt_encode(const codec_contender *self, const codec_picture *picture, codec_bytes *out) {
     zt_writer_options options = codec_zt_options(self->level, codec_zt_parallel(self->threads));
     zt_image_desc desc = {.format = format_of(picture),
                           .width = picture->width,
                           .height = picture->height,
                           .levels = 1,
-                          .tile_edge = self->edge ? self->edge : whole_edge(picture),
+                          .tile_edge = self->edge,
                           .alpha_mode = picture->channels == 4 ? ZT_ALPHA_STRAIGHT : ZT_ALPHA_NONE};
     return codec_zt_write(&desc, picture->texels, picture->height, &options, out);
 }

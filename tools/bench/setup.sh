@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What ./dev bench codec needs beside ./dev setup: the peers' libraries and the pictures. Pictures that are inside an
-# archive are put into build/bench/pictures.
+# setup.sh [PACKAGES]: what a bench needs beside ./dev setup. Without an argument that is ./dev bench codec: the peers'
+# libraries and the pictures; those that are inside an archive are put into build/bench/pictures.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -13,9 +13,9 @@ as_root() {
     fi
 }
 
-install_packages() {
+install_packages() { # LIST
     local wanted missing
-    mapfile -t wanted < <(sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' tools/bench/packages.txt)
+    mapfile -t wanted < <(sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$1")
     mapfile -t missing < <(comm -23 <(printf '%s\n' "${wanted[@]}" | LC_ALL=C sort -u) \
         <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "${wanted[@]}" 2>/dev/null |
             sed -n 's/^installed //p' | LC_ALL=C sort -u))
@@ -45,6 +45,8 @@ PYTHON
 }
 
 if command -v dpkg-query >/dev/null; then
-    install_packages
+    install_packages "${1:-tools/bench/packages.txt}"
 fi
-unpack_pictures
+if [ $# -eq 0 ]; then
+    unpack_pictures
+fi

@@ -5,6 +5,9 @@
     demo.py scene NAME PHOTO FOLDER     FOLDER/scene.json
     demo.py path NAME                   the zoom path, as `ztex render --zoom-path` wants it
     demo.py sheet FOLDER FRAMES         FOLDER/sheet.png of root_NNNN.png, zipmap_NNNN.png, full_NNNN.png
+    demo.py heap FOLDER                 a heap of photographs and truth.json
+    demo.py heap-path FOLDER REPORT     the zoom path into the finest photograph of the heap
+    demo.py heap-report FOLDER REPORT   what was found, against the truth; fails when the graph is not the right one
     demo.py row FOLDER TARGET           one row of root.png, zipmap.png, full.png, as JPEG
     demo.py report NAME FOLDER ZTEX     tables of bytes and of errors; fails when a goal is missed
 """
@@ -226,6 +229,60 @@ def report(work, folder, ztex):
     return 0 if small and close else 1
 
 
+# --- a heap of photographs -------------------------------------------------------------------------
+
+MATE = '/usr/share/backgrounds/mate/'
+HEAP_PHOTOS = [MATE + name for name in ('abstract/Elephants_3840x2160.jpg', 'nature/Garden.jpg', 'nature/Dune.jpg',
+                                        'nature/GreenMeadow.jpg', 'nature/RainDrops.jpg', 'nature/YellowFlower.jpg')]
+HEAP_SEED = 2
+HEAP_ERROR = 1.0  # pixels of a photograph that its corners may be off
+
+
+def heap_generator():
+    sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'bench'))
+    import heap
+    return heap
+
+
+def load(*path):
+    with open(os.path.join(*path), encoding='utf-8') as file:
+        return json.load(file)
+
+
+def heap_path(folder, report):
+    """From the whole root to the middle of the finest photograph."""
+    photos = load(folder, report)['photographs']
+    views = []
+    for photo in photos:
+        if photo['state'] == 'placed':
+            back = numpy.linalg.inv(numpy.array(photo['root_matrix']).reshape(3, 3))
+            corners = back @ numpy.array([[0, 1, 1, 0], [0, 0, 1, 1], [1, 1, 1, 1.0]])
+            u, v = corners[:2] / corners[2]
+            size = 0.35 * min(numpy.ptp(u), numpy.ptp(v))
+            views.append((size, u.mean(), v.mean()))
+    size, u, v = min(views)
+    return f'0,0,1,1;{u - size},{v - size},{u + size},{v + size}'
+
+
+def heap_report(folder, report):
+    heap, found, good = heap_generator(), load(folder, report), True
+    photos = {os.path.basename(p['file']): p for p in found['photographs']}
+    print(f'{"photograph":16}{"is":>12}{"parent":>16}{"finer":>9}{"corner error":>17}')
+    for picture in load(folder, 'truth.json')['pictures']:
+        photo = photos[picture['file']]
+        parent = os.path.basename(found['photographs'][photo['parent']]['file']) if photo['parent'] is not None else ''
+        expected = {'child': 'placed', 'distractor': 'unplaced', 'root': 'root'}[picture['role']]
+        good &= photo['state'] == expected and parent == picture.get('parent', '')
+        error = ''
+        if picture['role'] == 'child' and photo['state'] == 'placed':
+            off = heap.corner_error(picture['root_matrix'], photo['root_matrix'], picture['size'])
+            good &= off <= HEAP_ERROR * picture['root_ratio'] / picture['ratio']
+            error = f'{photo["ratio"]:8.2f}x{off:10.2f} pixels'
+        print(f'{picture["file"]:16}{photo["state"]:>12}{parent:>16}{error}')
+    print(f'\nthe right graph, and corners less than {HEAP_ERROR:.0f} pixel of the parent off: {"yes" if good else "NO"}')
+    return 0 if good else 1
+
+
 def main(words):
     verb, rest = words[0], words[1:]
     if verb == 'scene':
@@ -237,6 +294,12 @@ def main(words):
         make_sheet(rest[0], int(rest[1]))
     elif verb == 'row':
         make_row(*rest)
+    elif verb == 'heap':
+        heap_generator().make_heap('chain', HEAP_SEED, rest[0], 6, 800, HEAP_PHOTOS)
+    elif verb == 'heap-path':
+        print(heap_path(*rest))
+    elif verb == 'heap-report':
+        return heap_report(*rest)
     elif verb == 'report':
         return report(WORKS[rest[0]], rest[1], rest[2])
     return 0

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# `./dev demo`: one photograph as a zipmap, made, checked, shown and measured against the whole texture. Results go to out/.
+# `./dev demo`: one photograph as a zipmap, made, checked, shown and measured against the whole texture; then a heap of photographs.
+# Results go to out/.
 # `./dev demo --picture FILE` makes the picture of the README instead.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
@@ -63,7 +64,6 @@ run inspect "$out/zipmap.ztex"
 
 say "Zooming in"
 path=$("$python" tools/dev/demo.py path elephants)
-readonly path
 render_path root "$out/zipmap.ztex" --root-only
 render_path zipmap "$out/zipmap.ztex"
 render_path full "$out/full.ztex"
@@ -72,4 +72,20 @@ run render "$out/zipmap.ztex" -o "$out/zoom.png" --zoom-path "$path" --frames 12
 
 say "What it costs, and what it gives"
 "$python" tools/dev/demo.py report elephants "$out" "$ztex"
+say "A heap of photographs: five of one thing, from near and from far, and one of another"
+readonly heap=$out/heap
+rm -rf "$heap"
+"$python" tools/dev/demo.py heap "$heap"
+run make zipmap "$heap"/*.jpg -o "$heap/heap.ztex" --scene-out "$heap/scene.json" --report "$heap/report.html"
+run make zipmap "$heap"/*.jpg -o "$heap/again.ztex" --report "$heap/report.json" --quiet
+cmp "$heap/heap.ztex" "$heap/again.ztex"
+run validate "$heap/heap.ztex"
+"$python" tools/dev/demo.py heap-report "$heap" report.json
+path=$("$python" tools/dev/demo.py heap-path "$heap" report.json)
+run render "$heap/heap.ztex" -o "$heap/zoom.png" --zoom-path "$path" --frames 12 --sheet 4 --size 320x180
+printf '\nSee %s/zoom.png, a hundred times closer in twelve steps, and %s/report.html.\n' "$heap" "$heap"
+
+say "Silmaps: a sign, a billboard and a control for a shader, whose edges stay sharp"
+"$python" tools/dev/demo_silmap.py "$out/silmap" "$ztex"
+
 printf '\nSee %s/sheet.png: columns zoom in; rows are the root alone, the zipmap, the whole texture.\n' "$out"

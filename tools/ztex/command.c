@@ -5,11 +5,36 @@
 #include <stdlib.h>
 #include <string.h>
 
+char *cmd_dashed(const cmd_verb *verb, char dst[CMD_VERB_NAME]) {
+    snprintf(dst, CMD_VERB_NAME, "%s", verb->name);
+    for (char *at = dst; *at; at++)
+        if (*at == ' ')
+            *at = '-';
+    return dst;
+}
+
 const cmd_verb *cmd_find_verb(const char *name) {
+    char dashed[CMD_VERB_NAME];
     for (size_t i = 0; cmd_verbs[i]; i++)
-        if (strcmp(cmd_verbs[i]->name, name) == 0)
+        if (strcmp(cmd_verbs[i]->name, name) == 0 || strcmp(cmd_dashed(cmd_verbs[i], dashed), name) == 0)
             return cmd_verbs[i];
     return NULL;
+}
+
+const char *cmd_second_word(const cmd_verb *verb, const char *first) {
+    size_t length = strlen(first);
+    return strncmp(verb->name, first, length) == 0 && verb->name[length] == ' ' ? verb->name + length + 1 : NULL;
+}
+
+const cmd_verb *cmd_match_verb(const char *const *words, size_t count, size_t *used) {
+    *used = 2;
+    for (size_t i = 0; count >= 2 && cmd_verbs[i]; i++) {
+        const char *second = cmd_second_word(cmd_verbs[i], words[0]);
+        if (second && strcmp(second, words[1]) == 0)
+            return cmd_verbs[i];
+    }
+    *used = 1;
+    return count > 0 ? cmd_find_verb(words[0]) : NULL;
 }
 
 /* ---- values ------------------------------------------------------------------------------------ */
@@ -138,11 +163,20 @@ static const cmd_verb *verb_of_program(const char *path) {
     return dash ? cmd_find_verb(dash) : NULL;
 }
 
+/* first is the verb's first word; argv continues behind it and may begin with the second. */
+static const cmd_verb *verb_of_words(const char *first, int argc, char **argv, size_t *used) {
+    const char *words[2] = {first, argc > 0 ? argv[0] : NULL};
+    return cmd_match_verb(words, argc > 0 ? 2 : 1, used);
+}
+
 int cmd_main(int argc, char **argv) {
     cmd_signals_install();
     const cmd_verb *verb = argc > 0 ? verb_of_program(argv[0]) : NULL;
-    if (verb)
-        return run_verb(verb, argc - 1, argv + 1);
+    size_t used = 1;
+    if (verb) {
+        verb = verb_of_words(verb->name, argc - 1, argv + 1, &used);
+        return run_verb(verb, argc - (int)used, argv + used);
+    }
     if (argc < 2) {
         cmd_help_print(stderr, NULL);
         return CMD_USAGE;
@@ -156,6 +190,6 @@ int cmd_main(int argc, char **argv) {
         cmd_hint("'ztex help' lists the verbs.");
         return CMD_USAGE;
     }
-    verb = cmd_find_verb(argv[1]);
-    return verb ? run_verb(verb, argc - 2, argv + 2) : unknown_verb(argv[1]);
+    verb = verb_of_words(argv[1], argc - 2, argv + 2, &used);
+    return verb ? run_verb(verb, argc - 1 - (int)used, argv + 1 + used) : unknown_verb(argv[1]);
 }

@@ -28,6 +28,10 @@
  *     const cmd_verb verb_inspect = {.name = "inspect", .summary = "Show what is in a texture file", ..., .run = run};
  *
  * Standard output carries data only; messages go to standard error through the functions below.
+ * A verb may have two words, as "make zipmap": a verb of its own with a table of its own, which stands in its own file
+ * (verb_make_zipmap.c), in cmd_verbs and, with a dash, in ztex_verbs of CMakeLists.txt. Where it is the name of a program, a man page
+ * or a shell word, the space is a dash.
+ *
  * `-` as an input is standard input, as an output standard output. All functions are for the main thread.
  */
 #ifndef ZTEX_COMMAND_H
@@ -104,7 +108,7 @@ enum {
 typedef struct cmd_args cmd_args;
 
 typedef struct cmd_verb {
-    const char *name;
+    const char *name;     /* one word, or two with a space between */
     const char *summary;  /* for the list of verbs: no final stop */
     const char *synopsis; /* "[OPTION]... FILE": what follows the verb; several lines are divided by \n */
     const char
@@ -120,8 +124,8 @@ typedef struct cmd_verb {
 extern const cmd_verb *const cmd_verbs[]; /* verbs.c; ends with NULL */
 
 /* The rows, each defined in the file of its name: `const cmd_verb verb_inspect = {...};` */
-extern const cmd_verb verb_make, verb_inspect, verb_validate, verb_extract, verb_render, verb_convert, verb_diff,
-    verb_recover, verb_help;
+extern const cmd_verb verb_make, verb_make_zipmap, verb_make_silmap, verb_inspect, verb_validate, verb_extract,
+    verb_render, verb_convert, verb_diff, verb_recover, verb_help;
 
 /* ---- the parsed command line -------------------------------------------------------------------- */
 
@@ -170,6 +174,9 @@ int cmd_status_of(zt_result result); /* only the mapping */
 char *cmd_safe(char *dst, size_t size, const char *text);
 /* The same, printed whole. */
 void cmd_print_safe(FILE *stream, const char *text);
+
+/* One UTF-8 character; returns its length, or 0 when it is malformed. */
+size_t cmd_utf8(const char *text, uint32_t *code);
 
 /* "did you mean": the nearest of count names, or NULL when none is near. */
 const char *cmd_nearest(const char *word, const char *const *names, size_t count);
@@ -282,6 +289,14 @@ int cmd_help_man(FILE *stream, const cmd_verb *verb);
 int cmd_completion(FILE *stream, const char *shell);
 int cmd_option_list(const cmd_verb *verb, const cmd_option **list,
                     size_t capacity); /* own, then common; returns the count */
+/* The verb of this name, with a space or a dash between two words. */
 const cmd_verb *cmd_find_verb(const char *name);
+/* The verb that the first one or two of count words name; the longer one wins. *used is the number of its words. NULL: none. */
+const cmd_verb *cmd_match_verb(const char *const *words, size_t count, size_t *used);
+/* The name with a dash for its space: "make-zipmap". */
+#define CMD_VERB_NAME 32
+char *cmd_dashed(const cmd_verb *verb, char dst[CMD_VERB_NAME]);
+/* The second word of a verb that begins with the word first: "zipmap" of "make zipmap", "make"; else NULL. */
+const char *cmd_second_word(const cmd_verb *verb, const char *first);
 
 #endif

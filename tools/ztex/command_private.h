@@ -37,9 +37,6 @@ int cmd_choice_word(const char *choices, int index, char *dst, size_t size);
 void cmd_choice_list(const char *choices, char *dst, size_t size);
 int cmd_choice_index(const char *choices, const char *word); /* -1: none */
 
-/* text.c: one UTF-8 character; returns its length, or 0 when it is malformed. */
-size_t cmd_utf8(const char *text, uint32_t *code);
-
 /* progress.c */
 void cmd_signals_install(void);
 void cmd_progress_clear(void);

@@ -12,7 +12,8 @@
 typedef struct convert_use {
     int used;
     int is_mask;
-    int covers; /* the coverage of a patch: zero on its border */
+    int is_samples; /* of a silmap: one level, and no more */
+    int covers;     /* the coverage of a patch: zero on its border */
     uint32_t semantic;
     uint8_t wrap[3];
 } convert_use;

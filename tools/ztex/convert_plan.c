@@ -42,21 +42,28 @@ static void use_patch(convert_job *job, uint32_t texture, const zt_texture_info 
     mask->is_mask = mask->covers = 1;
 }
 
+static void use_layer(convert_job *job, uint32_t texture, const zt_texture_info *info, uint32_t layer) {
+    uint8_t wrap[3] = {(uint8_t)info->wrap_u, (uint8_t)info->wrap_v, (uint8_t)info->wrap_w};
+    zt_layer_info row;
+    if (zt_get_layer(job->input.file, texture, layer, &row) != ZT_OK)
+        return;
+    use_image(job, row.image, row.semantic, wrap);
+    use_image(job, zt_get_silmap_minified(job->input.file, texture, layer), row.semantic, wrap);
+    if (info->kind == ZT_KIND_SILMAP && use_of(job, row.image))
+        use_of(job, row.image)->is_samples = 1;
+}
+
 int convert_find_uses(convert_job *job) {
     int everything = !cmd_given(job->args, "keep-textures") && !job->strip_patches;
     for (uint32_t t = 0; t < job->file.texture_count; t++) {
         zt_texture_info info;
         if (!job->keep[t] || zt_get_texture(job->input.file, t, &info) != ZT_OK)
             continue;
-        uint8_t wrap[3] = {(uint8_t)info.wrap_u, (uint8_t)info.wrap_v, (uint8_t)info.wrap_w};
         uint32_t patches = job->strip_patches && info.patch_count > 1 ? 1 : info.patch_count;
         for (uint32_t p = 0; p < patches; p++)
             use_patch(job, t, &info, p);
-        for (uint32_t l = 0; patches == 0 && l < info.layer_count; l++) {
-            zt_layer_info layer;
-            if (zt_get_layer(job->input.file, t, l, &layer) == ZT_OK)
-                use_image(job, layer.image, layer.semantic, wrap);
-        }
+        for (uint32_t l = 0; patches == 0 && l < info.layer_count; l++)
+            use_layer(job, t, &info, l);
     }
     for (uint32_t i = 0; everything && i < job->file.image_count; i++)
         job->uses[i].used = 1;
@@ -123,7 +130,9 @@ static int plan_levels(const convert_job *job, uint32_t image, const convert_use
     int make = job->rebuild || wanted > plan->from.levels;
     plan->to.levels = wanted;
     plan->to.given_levels = 1;
-    if (!make)
+    if (use->is_samples)
+        plan->to.levels = plan->from.levels;
+    if (!make || use->is_samples)
         return CMD_OK;
     if (!plain)
         return cmd_fail(CMD_UNSUPPORTED, "%s: image %u: mip levels of this format cannot be made", job->input.name,

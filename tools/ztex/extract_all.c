@@ -191,6 +191,22 @@ static int is_told(const all_job *job, const char *name) {
     return 0;
 }
 
+static int has_normals(const all_job *job, uint32_t texture, const zt_texture_info *info) {
+    zt_layer_info layer = {0};
+    for (uint32_t l = 0; l < info->layer_count; l++)
+        if (zt_get_layer(job->input->file, texture, l, &layer) == ZT_OK && layer.semantic == ZT_SEMANTIC_NORMAL)
+            return 1;
+    return 0;
+}
+
+/* Only which pictures it is: how masks are stored is not a scene's business. */
+static json_t *mask_of(json_t *image) {
+    json_t *file = json_object_get(image, "file"), *files = json_object_get(image, "files");
+    if (files)
+        return json_pack("{sO sO}", "files", files, "as", json_object_get(image, "as"));
+    return file ? json_incref(file) : json_null();
+}
+
 static int add_patch(all_job *job, json_t *list, uint32_t texture, const zt_texture_info *info, uint32_t patch,
                      const char *stem) {
     char name[400];
@@ -205,6 +221,9 @@ static int add_patch(all_job *job, json_t *list, uint32_t texture, const zt_text
         json_object_set_new(object, "parent", json_integer(placed.parent));
         json_object_set_new(object, "matrix", matrix_of(placed.matrix));
         json_object_set_new(object, "ramp", json_integer(1));
+        /* They have been turned when they were stored. */
+        if (has_normals(job, texture, info))
+            json_object_set_new(object, "normals", json_string("keep"));
     }
     if (placed.texture != ZT_NONE) {
         zt_texture_info shown = {0};
@@ -221,8 +240,7 @@ static int add_patch(all_job *job, json_t *list, uint32_t texture, const zt_text
     strncat(name, ".mask", sizeof name - strlen(name) - 1);
     status = write_image(job, placed.mask, name);
     if (status == CMD_OK) {
-        json_t *mask = json_object_get(job->images[placed.mask], "file");
-        json_object_set(object, "mask", mask ? mask : json_null());
+        json_object_set_new(object, "mask", mask_of(job->images[placed.mask]));
         if (placed.texture == ZT_NONE)
             json_object_set_new(object, "separate_mask", json_true());
     }
@@ -249,6 +267,33 @@ static json_t *wraps_of(const zt_texture_info *info) {
     return wrap;
 }
 
+/* A scene says of what a silmap is made, not what its cells are: those are written to be looked at. */
+static int write_silmap(all_job *job, uint32_t texture, uint32_t layer_count, const char *stem) {
+    char name[STEM + 32];
+    cmd_output output = {0};
+    int status = CMD_OK;
+    for (uint32_t l = 0; l < layer_count && status == CMD_OK; l++) {
+        uint32_t image = zt_get_silmap_minified(job->input->file, texture, l);
+        snprintf(name, sizeof name, "%s.minified.%u", stem, (unsigned)l);
+        if (image != ZT_NONE)
+            status = write_image(job, image, name);
+    }
+    snprintf(name, sizeof name, "%s.cells.svg", stem);
+    char *path = join(job->folder, name);
+    if (!path)
+        status = cmd_fail(CMD_INTERNAL, "out of memory");
+    if (status == CMD_OK)
+        status = cmd_output_open(&output, path, 0);
+    if (status == CMD_OK)
+        status = extract_cells(job->input->file, job->input->name, texture, 0, 0, output.stream);
+    if (status == CMD_OK)
+        status = cmd_output_commit(&output);
+    else
+        cmd_output_drop(&output);
+    free(path);
+    return status;
+}
+
 static int add_texture(all_job *job, uint32_t texture) {
     char stem[STEM];
     zt_texture_info info = {0};
@@ -272,6 +317,10 @@ static int add_texture(all_job *job, uint32_t texture) {
         json_object_set_new(object, "patches", patches);
     else
         status = add_layers(job, object, texture, info.layer_count, images, stem);
+    if (status == CMD_OK && info.kind == ZT_KIND_SILMAP) {
+        status = write_silmap(job, texture, info.layer_count, stem);
+        json_object_set_new(object, "silmap", json_null());
+    }
     if (status == CMD_OK && has_null(object)) {
         cmd_warn(job->args, "texture %u '%s' is not in scene.json: a scene cannot say what it has", (unsigned)texture,
                  info.name);

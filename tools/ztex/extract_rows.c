@@ -235,6 +235,7 @@ static img_writer *create(const extract_part *part, const plan *p, const char *p
                               .alpha = p->alpha,
                               .transfer = (uint8_t)p->transfer,
                               .primaries = part->info.primaries,
+                              .quality = part->quality,
                               .texts = texts};
     how.text_count = pick_texts(part->file, texts);
     /* A fourth channel of data would be lost on readers as one of no meaning. */

@@ -21,7 +21,8 @@ const cmd_exit_text cmd_exit_texts[] = {
 
 const char
     *const cmd_overview = "Makes, shows, checks and converts .ztex texture files: images with mip levels, layers and "
-                          "materials, and zipmaps, pictures that have more detail where somebody looked closer.\n\n"
+                          "materials, zipmaps, pictures that have more detail where somebody looked closer, and "
+                          "silmaps, whose edges stay sharp.\n\n"
                           "Every verb also exists as a command of its own, 'ztex inspect' as 'ztex-inspect'. A file "
                           "named '-' is standard input or standard output. Output files appear whole or not at all, "
                           "and an input is never overwritten.";
@@ -90,6 +91,17 @@ static void print_synopsis(FILE *stream, const cmd_verb *verb) {
     }
 }
 
+/* The verbs of two words that begin with this one. */
+static void print_relatives(FILE *stream, const cmd_verb *verb) {
+    const char *heading = "\nMore:\n";
+    for (size_t i = 0; cmd_verbs[i]; i++) {
+        if (!cmd_second_word(cmd_verbs[i], verb->name))
+            continue;
+        fprintf(stream, "%s  ztex %-14s %s\n", heading, cmd_verbs[i]->name, cmd_verbs[i]->summary);
+        heading = "";
+    }
+}
+
 static int print_verb(FILE *stream, const cmd_verb *verb) {
     const cmd_option *options[CMD_MAX_OPTIONS];
     int count = cmd_option_list(verb, options, CMD_MAX_OPTIONS);
@@ -106,6 +118,7 @@ static int print_verb(FILE *stream, const cmd_verb *verb) {
         fprintf(stream, "  %s\n", e->line);
         cmd_wrap_print(stream, e->text, 10, WIDTH);
     }
+    print_relatives(stream, verb);
     fprintf(stream, "\nExit codes:\n");
     for (const cmd_exit_text *e = cmd_exit_texts; e->text; e++)
         fprintf(stream, "  %d  %s\n", (int)e->status, e->text);
@@ -119,7 +132,7 @@ int cmd_help_print(FILE *stream, const cmd_verb *verb) {
     cmd_wrap_print(stream, cmd_overview, 0, WIDTH);
     fprintf(stream, "\nVerbs:\n");
     for (size_t i = 0; cmd_verbs[i]; i++)
-        fprintf(stream, "  %-10s %s\n", cmd_verbs[i]->name, cmd_verbs[i]->summary);
+        fprintf(stream, "  %-14s %s\n", cmd_verbs[i]->name, cmd_verbs[i]->summary);
     fprintf(stream, "\n'ztex help VERB' or 'ztex VERB --help' says more about a verb.\n");
     return CMD_OK;
 }

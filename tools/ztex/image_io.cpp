@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Reading pictures through OpenImageIO. */
 #include "image_support.h"
+#include "pyramid.h"
 
 #include <algorithm>
 #include <climits>
@@ -148,9 +149,18 @@ void fill_info(const OIIO::ImageInput &in, const OIIO::ImageSpec &spec, img_info
 } // namespace
 } // namespace img
 
+struct close_tiles {
+    void operator()(pyramid *p) const {
+        pyramid_close(p);
+    }
+};
+
 struct img_reader {
-    std::unique_ptr<OIIO::ImageInput> in;
-    OIIO::ImageSpec spec; // of this subimage and level
+    std::unique_ptr<OIIO::ImageInput> in;        // or
+    std::unique_ptr<pyramid, close_tiles> tiles; // a folder of tiles
+    uint32_t tile_level = 0;
+    int subimage = 0, level = 0; // as OpenImageIO counts them
+    OIIO::ImageSpec spec;        // of this subimage and level
     img_info info = {};
     img_open_options options = {};
     uint32_t turn = 1; // orientation that is to be undone
@@ -204,7 +214,7 @@ void fetch_band(img_reader &r, uint32_t z, uint32_t y) {
     if (!r.band.empty() && z == r.band_z && y >= r.band_y && y < r.band_end)
         return;
     const OIIO::ImageSpec &s = r.spec;
-    int sub = int(r.options.subimage), level = int(r.options.level);
+    int sub = r.subimage, level = r.level;
     size_t row = size_t(s.width) * r.pixel_size;
     uint32_t height = uint32_t(s.height);
     bool tiled = s.tile_width > 0 && s.tile_height > 0;
@@ -217,7 +227,12 @@ void fetch_band(img_reader &r, uint32_t z, uint32_t y) {
     r.band.assign(row * (end - begin) * slices, 0);
     r.band_end = 0;
     bool good;
-    if (tiled)
+    char error[IMG_ERROR];
+    if (r.tiles && pyramid_read(r.tiles.get(), r.tile_level, begin / step, r.band.data(), error))
+        throw failure(error);
+    if (r.tiles)
+        good = true;
+    else if (tiled)
         good = r.in->read_tiles(sub, level, s.x, s.x + s.width, s.y + int(begin), s.y + int(end),
                                 s.z + int(first_slice), s.z + std::min(int(first_slice + slices), s.depth), 0,
                                 s.nchannels, r.type, r.band.data());
@@ -369,8 +384,8 @@ void apply_options(img_reader &r) {
     r.turn = o.keep_orientation ? 1 : info.orientation;
     if (r.turn > 4)
         std::swap(info.full_width, info.full_height);
-    info.width = info.full_width;
-    info.height = info.full_height;
+    info.width = r.tile_level > 0 ? uint32_t(r.spec.width) : info.full_width;
+    info.height = r.tile_level > 0 ? uint32_t(r.spec.height) : info.full_height;
     if (o.crop.width > 0) {
         bool inside = o.crop.height > 0 && uint64_t(o.crop.x) + o.crop.width <= info.width &&
                       uint64_t(o.crop.y) + o.crop.height <= info.height;
@@ -388,6 +403,55 @@ void apply_options(img_reader &r) {
         resize(r);
 }
 
+// A picture that is resized is held in memory: where that is too much, the finest level that is not.
+void choose_level(img_reader &r) {
+    const img_open_options &o = r.options;
+    uint64_t allowed = o.memory ? o.memory : uint64_t(1) << 30;
+    uint32_t w = r.info.full_width, h = r.info.full_height;
+    if (o.resize_width == 0 || o.resize_height == 0 || o.crop.width > 0)
+        return;
+    for (uint32_t level = 1; level < pyramid_levels(r.tiles.get()); level++) {
+        double texels = double(w) * h + double(o.resize_width) * o.resize_height;
+        uint32_t next_w, next_h;
+        pyramid_size(r.tiles.get(), level, &next_w, &next_h);
+        if (texels * 4.0 * r.info.channels <= double(allowed) || next_w < o.resize_width || next_h < o.resize_height)
+            break;
+        r.tile_level = level;
+        w = next_w, h = next_h;
+    }
+}
+
+void open_pyramid(img_reader &r, const char *path) {
+    char error[IMG_ERROR];
+    if (r.options.subimage > 0 || r.options.level > 0)
+        throw failure("a folder of tiles has one picture");
+    r.tiles.reset(pyramid_open(path, error));
+    if (!r.tiles)
+        throw failure(error);
+    r.info = *pyramid_info(r.tiles.get());
+    choose_level(r);
+    uint32_t w, h;
+    pyramid_size(r.tiles.get(), r.tile_level, &w, &h);
+    r.type = type_of(r.info.type);
+    r.spec = OIIO::ImageSpec(int(w), int(h), int(r.info.channels), r.type);
+    r.spec.tile_width = int(w);
+    r.spec.tile_height = int(pyramid_tile_height(r.tiles.get()));
+    r.pixel_size = r.info.channels * r.type.size();
+}
+
+// MIP levels of the file; or subimages that a TIFF calls reduced, which is how most programs write pyramids.
+bool seek_level(img_reader &r, uint32_t level) {
+    r.subimage = int(r.options.subimage);
+    r.level = int(level);
+    if (r.in->seek_subimage(r.subimage, r.level))
+        return true;
+    if (level == 0 || std::strcmp(r.in->format_name(), "tiff") != 0)
+        return false;
+    r.subimage += r.level;
+    r.level = 0;
+    return r.in->seek_subimage(r.subimage, 0) && (r.in->spec().get_int_attribute("tiff:subfiletype") & 1) != 0;
+}
+
 void open_file(img_reader &r, const char *path) {
     struct stat status;
     prepare();
@@ -395,6 +459,8 @@ void open_file(img_reader &r, const char *path) {
         throw failure(std::strerror(errno));
     if (!S_ISREG(status.st_mode))
         throw failure("not a regular file");
+    if (pyramid_is(path))
+        return open_pyramid(r, path);
     OIIO::ImageSpec wish;
     wish.attribute("oiio:UnassociatedAlpha", 1);
     r.in = OIIO::ImageInput::open(path, &wish);
@@ -402,17 +468,17 @@ void open_file(img_reader &r, const char *path) {
         std::string text = OIIO::geterror();
         throw failure(text.empty() ? "not a picture" : text);
     }
-    int sub = int(r.options.subimage), level = int(r.options.level);
-    if (!r.in->seek_subimage(sub, level))
-        throw failure("there is no subimage " + std::to_string(sub) + " with level " + std::to_string(level));
+    if (!seek_level(r, r.options.level))
+        throw failure("there is no subimage " + std::to_string(r.options.subimage) + " with level " +
+                      std::to_string(r.options.level));
     r.spec = r.in->spec();
     fill_info(*r.in, r.spec, r.info);
-    for (r.info.levels = 1; r.in->seek_subimage(sub, int(r.info.levels));)
+    for (r.info.levels = 1; seek_level(r, r.info.levels);)
         r.info.levels++;
     for (r.info.subimages = r.options.subimage + 1; r.in->seek_subimage(int(r.info.subimages), 0);)
         r.info.subimages++;
     r.in->geterror(); // the searches above ended with one
-    if (!r.in->seek_subimage(sub, level))
+    if (!seek_level(r, r.options.level))
         throw failure(r.in->geterror());
     r.divide = r.info.alpha == IMG_ALPHA_PREMULTIPLIED && r.info.type != IMG_HALF && r.info.type != IMG_FLOAT;
     if (r.divide)

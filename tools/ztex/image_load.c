@@ -1,53 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The functions of image_io.h, out of the module that is loaded when the first is called. */
-#include <dlfcn.h>
 #include <pthread.h>
 #include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "image_module.h"
-
-enum { PATH_ROOM = 4096 };
+#include "module.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const img_module *module;
-static char trouble[IMG_ERROR];
+static char trouble[MODULE_ERROR];
 static int (*hook_added)(const char *name);
 static void (*hook_gone)(const char *name);
 
-/* The module lies beside the command where both are built, and in the library folder where they are installed. */
-static void *open_module(void) {
-    static const char *const folders[] = {"/", "/" ZTEX_MODULE_FOLDER "/"};
-    char program[PATH_ROOM], path[PATH_ROOM + 256];
-    ssize_t size = readlink("/proc/self/exe", program, sizeof program - 1);
-    void *handle = NULL;
-    program[size > 0 ? size : 0] = '\0';
-    char *slash = strrchr(program, '/');
-    if (slash)
-        *slash = '\0';
-    for (size_t i = 0; !handle && i < sizeof folders / sizeof folders[0]; i++) {
-        snprintf(path, sizeof path, "%s%s%s", program, folders[i], IMG_MODULE_FILE);
-        if (access(path, R_OK) != 0)
-            continue;
-        handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-        if (!handle)
-            snprintf(trouble, sizeof trouble, "%s cannot be loaded: %.160s", IMG_MODULE_FILE, dlerror());
-    }
-    if (!handle && !trouble[0])
-        snprintf(trouble, sizeof trouble, "%s is not there, beside the command or in %s of its folder", IMG_MODULE_FILE,
-                 ZTEX_MODULE_FOLDER);
-    return handle;
-}
-
 static void load(void) {
-    void *handle = open_module();
-    if (!handle)
-        return;
-    module = dlsym(handle, IMG_MODULE_SYMBOL);
-    if (!module)
-        snprintf(trouble, sizeof trouble, "%s is of another version", IMG_MODULE_FILE);
-    else
+    module = module_load(IMG_MODULE_FILE, IMG_MODULE_SYMBOL, trouble);
+    if (module)
         module->set_temporary_hooks(hook_added, hook_gone);
 }
 

@@ -31,10 +31,22 @@ json_t *ins_json(const ins_job *job);
 const char *ins_format_name(uint32_t format, char *buffer, size_t size);
 /* A name, or the number in buffer (at least 16 bytes). name may be NULL. */
 const char *ins_name(const char *name, uint32_t number, char *buffer, size_t size);
-const char *ins_codec_name(uint8_t codec); /* "raw", "zstd", "pred", NULL */
+const char *ins_codec_name(uint8_t codec); /* "raw", "zstd", "pred", "fields", NULL */
 
 /* Bytes of an image decoded, and stored in TEXL. */
 void ins_image_bytes(const zt_file *file, uint32_t image, uint64_t *decoded, uint64_t *stored);
+
+/* Counts of a silmap's cells, and what they cost. */
+typedef struct ins_cells {
+    zt_silmap_info info;
+    uint64_t cut;    /* cells that have a cut arm */
+    uint64_t memory; /* bytes of the cells as they are looked up */
+    uint64_t stored; /* bytes of the texture's chunk in the file; 0: not known */
+} ins_cells;
+
+/* 0, or -1: the texture is no silmap. */
+int ins_silmap(const zt_file *file, uint32_t texture, ins_cells *out);
+const char *ins_filter_name(zt_silmap_filter filter); /* "continuous", ... */
 
 /* 1 when the level begins a unit: it has tiles of its own, or is the first of the tail. */
 int ins_begins_unit(const zt_image_info *image, uint32_t level);

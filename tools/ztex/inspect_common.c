@@ -2,6 +2,7 @@
 #include "inspect.h"
 
 #include <math.h>
+#include <string.h>
 
 const char *ins_format_name(uint32_t format, char *buffer, size_t size) {
     const zt_format_info *info = zt_find_format(format);
@@ -19,8 +20,8 @@ const char *ins_name(const char *name, uint32_t number, char *buffer, size_t siz
 }
 
 const char *ins_codec_name(uint8_t codec) {
-    static const char *const names[] = {"raw", "zstd", "pred"};
-    return codec < 3 ? names[codec] : NULL;
+    static const char *const names[] = {"raw", "zstd", "pred", NULL, "fields"};
+    return codec < sizeof names / sizeof names[0] ? names[codec] : NULL;
 }
 
 int ins_begins_unit(const zt_image_info *image, uint32_t level) {
@@ -38,6 +39,49 @@ void ins_image_bytes(const zt_file *file, uint32_t image, uint64_t *decoded, uin
         if (ins_begins_unit(&info, k))
             *stored += level.unit_size;
     }
+}
+
+/* ---- silmaps ---------------------------------------------------------------------------------------- */
+
+const char *ins_filter_name(zt_silmap_filter filter) {
+    static const char *const names[] = {"continuous", "sen2004", "nearest"};
+    return (unsigned)filter < 3 ? names[filter] : "unknown";
+}
+
+/* A cell is cut by its own two arms, or by the first of its neighbours to the east and to the south. */
+static int is_cut(const zt_silmap_info *info, const uint8_t *cells, uint32_t x, uint32_t y) {
+    /* Beyond the last column and row are the first ones: where the texture does not repeat they have nothing cut there. */
+    size_t east = (size_t)y * info->cells_x + (x + 1) % info->cells_x;
+    size_t south = (size_t)((y + 1) % info->cells_y) * info->cells_x + x;
+    return (cells[(size_t)y * info->cells_x + x] & (ZT_SILMAP_WEST | ZT_SILMAP_NORTH)) ||
+           (cells[east] & ZT_SILMAP_WEST) || (cells[south] & ZT_SILMAP_NORTH);
+}
+
+/* The n-th silmap owns the n-th chunk of cells. */
+static uint64_t stored_cells(const zt_file *file, uint32_t texture) {
+    zt_texture_info info;
+    zt_chunk_info chunk;
+    uint32_t wanted = 0, seen = 0;
+    for (uint32_t i = 0; i < texture && zt_get_texture(file, i, &info) == ZT_OK; i++)
+        wanted += info.kind == ZT_KIND_SILMAP;
+    for (uint32_t i = 0; zt_get_chunk(file, i, &chunk) == ZT_OK; i++)
+        if (strcmp(chunk.type, "SLMP") == 0 && seen++ == wanted)
+            return chunk.stored_size;
+    return 0;
+}
+
+int ins_silmap(const zt_file *file, uint32_t texture, ins_cells *out) {
+    *out = (ins_cells){0};
+    if (zt_get_silmap(file, texture, &out->info) != ZT_OK)
+        return -1;
+    uint64_t layer = (uint64_t)out->info.cells_x * out->info.cells_y;
+    out->memory = layer * out->info.cell_layers;
+    out->stored = stored_cells(file, texture);
+    for (uint32_t l = 0; l < out->info.cell_layers; l++)
+        for (uint32_t y = 0; y < out->info.cells_y; y++)
+            for (uint32_t x = 0; x < out->info.cells_x; x++)
+                out->cut += (uint64_t)is_cut(&out->info, out->info.cells + (size_t)(l * layer), x, y);
+    return 0;
 }
 
 /* ---- patches -------------------------------------------------------------------------------------- */

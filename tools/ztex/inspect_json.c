@@ -115,6 +115,27 @@ static json_t *patch_json(const zt_file *file, uint32_t texture, uint32_t patch,
     return object;
 }
 
+static json_t *silmap_json(const zt_file *file, uint32_t texture, uint32_t layers) {
+    ins_cells cells;
+    json_t *minified = json_array();
+    if (ins_silmap(file, texture, &cells)) {
+        json_decref(minified);
+        return json_null();
+    }
+    json_t *object = json_object();
+    json_object_set_new(object, "cells_x", json_integer(cells.info.cells_x));
+    json_object_set_new(object, "cells_y", json_integer(cells.info.cells_y));
+    json_object_set_new(object, "cell_layers", json_integer(cells.info.cell_layers));
+    json_object_set_new(object, "filter", json_string(ins_filter_name(cells.info.filter)));
+    json_object_set_new(object, "cut_cells", cmd_json_u64(cells.cut));
+    json_object_set_new(object, "cells_size", cmd_json_u64(cells.memory));
+    json_object_set_new(object, "stored_size", cmd_json_u64(cells.stored));
+    for (uint32_t i = 0; i < layers; i++)
+        json_array_append_new(minified, index_or_null(zt_get_silmap_minified(file, texture, i)));
+    json_object_set_new(object, "minified", minified);
+    return object;
+}
+
 static json_t *textures_json(const zt_file *file) {
     json_t *array = json_array();
     zt_texture_info info;
@@ -129,6 +150,8 @@ static json_t *textures_json(const zt_file *file) {
         for (uint32_t k = 0; k < info.patch_count; k++)
             json_array_append_new(patches, patch_json(file, i, k, info.layer_count));
         json_object_set_new(object, "patches", patches);
+        if (info.kind == ZT_KIND_SILMAP)
+            json_object_set_new(object, "silmap", silmap_json(file, i, info.layer_count));
         json_array_append_new(array, object);
     }
     return array;

@@ -74,9 +74,13 @@ static void print_layers(const zt_file *file, uint32_t texture, const zt_texture
     zt_layer_info layer;
     for (uint32_t k = 0; k < info->layer_count; k++) {
         zt_get_layer(file, texture, k, &layer);
-        printf("    layer %u: %s, image %u\n", (unsigned)k,
+        printf("    layer %u: %s, image %u", (unsigned)k,
                ins_name(cmd_semantic_name(layer.semantic), layer.semantic, number, sizeof number),
                (unsigned)layer.image);
+        uint32_t minified = zt_get_silmap_minified(file, texture, k);
+        if (minified != ZT_NONE)
+            printf(", minified %u", (unsigned)minified);
+        printf("\n");
     }
 }
 
@@ -127,6 +131,21 @@ static void print_patches(const ins_job *job, uint32_t texture, const zt_texture
         printf("    and %u patches more: --patches\n", (unsigned)(info->patch_count - most));
 }
 
+static void print_silmap(const zt_file *file, uint32_t texture) {
+    char a[24];
+    ins_cells cells;
+    if (ins_silmap(file, texture, &cells))
+        return;
+    double count = (double)cells.memory;
+    printf("    %u x %u cells", (unsigned)cells.info.cells_x, (unsigned)cells.info.cells_y);
+    if (cells.info.cell_layers > 1)
+        printf(" x %u", (unsigned)cells.info.cell_layers);
+    printf(", %" PRIu64 " of them cut (%.1f %%), filter %s\n", cells.cut, 100.0 * (double)cells.cut / count,
+           ins_filter_name(cells.info.filter));
+    printf("    a byte a cell in memory, %.3f in the file (%s)\n", (double)cells.stored / count,
+           bytes_of(cells.stored, a));
+}
+
 static void print_textures(const ins_job *job) {
     zt_texture_info info;
     printf("textures\n");
@@ -139,6 +158,7 @@ static void print_textures(const ins_job *job) {
             printf(", %u patches", (unsigned)info.patch_count);
         printf("\n");
         print_layers(job->file, i, &info);
+        print_silmap(job->file, i);
         print_patches(job, i, &info);
     }
 }

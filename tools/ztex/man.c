@@ -101,6 +101,7 @@ static void put_exit_codes(FILE *stream) {
 
 static void put_others(FILE *stream, const cmd_verb *self) {
     const char *before = "";
+    char name[CMD_VERB_NAME];
     fputs(".SH SEE ALSO\n", stream);
     if (self) {
         fputs("\\fBztex\\fR(1)", stream);
@@ -109,7 +110,9 @@ static void put_others(FILE *stream, const cmd_verb *self) {
     for (size_t i = 0; cmd_verbs[i]; i++) {
         if (cmd_verbs[i] == self)
             continue;
-        fprintf(stream, "%s\\fBztex\\-%s\\fR(1)", before, cmd_verbs[i]->name);
+        fprintf(stream, "%s\\fBztex\\-", before);
+        put(stream, cmd_dashed(cmd_verbs[i], name));
+        fputs("\\fR(1)", stream);
         before = ",\n";
     }
     fputc('\n', stream);
@@ -143,11 +146,13 @@ static void put_synopsis(FILE *stream, const cmd_verb *verb) {
 
 static void put_verb(FILE *stream, const cmd_verb *verb) {
     const cmd_option *options[CMD_MAX_OPTIONS];
-    char name[64];
+    char name[64], dashed[CMD_VERB_NAME];
     int count = cmd_option_list(verb, options, CMD_MAX_OPTIONS);
-    snprintf(name, sizeof name, "ztex-%s", verb->name);
+    snprintf(name, sizeof name, "ztex-%s", cmd_dashed(verb, dashed));
     put_title(stream, name);
-    fprintf(stream, ".SH NAME\nztex\\-%s \\- ", verb->name);
+    fputs(".SH NAME\n", stream);
+    put(stream, name);
+    fputs(" \\- ", stream);
     put(stream, verb->summary);
     fputc('\n', stream);
     put_synopsis(stream, verb);

@@ -19,7 +19,7 @@ static double cofactor(const double m[9], int r, int c) {
     return m[3 * a + x] * m[3 * b + y] - m[3 * a + y] * m[3 * b + x];
 }
 
-static int invert(const double m[9], double out[9]) {
+int make_matrix_invert(const double m[9], double out[9]) {
     double determinant = 0.0;
     for (int i = 0; i < 3; i++)
         determinant += m[i] * cofactor(m, i, 0);
@@ -71,12 +71,12 @@ static const char *from_corners(const double q[8], double m[9]) {
                                       g,
                                       h,
                                       1.0};
-    return invert(square_to_quad, m) ? "the four corners do not make a quadrilateral" : NULL;
+    return make_matrix_invert(square_to_quad, m) ? "the four corners do not make a quadrilateral" : NULL;
 }
 
 static const char *from_root(const double root_to_patch[9], const make_parent *parent, double m[9]) {
     double back[9];
-    if (invert(parent->root_matrix, back))
+    if (make_matrix_invert(parent->root_matrix, back))
         return "the parent's own placement cannot be inverted";
     make_matrix_multiply(root_to_patch, back, m);
     return NULL;

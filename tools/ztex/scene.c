@@ -2,6 +2,7 @@
 /* Reading a scene file: textures, layers, patches. docs/scene.md describes it, scene.schema.json is its schema. */
 #include "scene.h"
 
+#include <author_adjust.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -154,32 +155,117 @@ static int read_parent(make_scene *scene, const json_t *object, const char *poin
     return make_complain(scene, at, "no earlier patch is named '%s'", text);
 }
 
+/* A painted mask has its own soft edge, and "none" has none. */
 static int read_mask(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
                      make_patch *patch) {
     const json_t *mask = json_object_get(object, "mask");
     const json_t *ramp = json_object_get(object, "ramp");
-    const json_t *separate = json_object_get(object, "separate_mask");
+    const char *word = json_is_string(mask) ? json_string_value(mask) : "";
+    const char *at = make_string(scene, "%s/mask", pointer), *ramp_at = make_string(scene, "%s/ramp", pointer);
     int status = CMD_OK;
-    patch->ramp = MAKE_RAMP;
-    if (mask && json_is_string(mask) && strcmp(json_string_value(mask), "none") == 0) {
-        patch->ramp = 1;
-        mask = NULL;
-    }
-    const char *at = make_string(scene, "%s/%s", pointer, mask ? "mask" : "ramp");
-    const char *separate_at = make_string(scene, "%s/separate_mask", pointer);
-    if (!at || !separate_at)
+    if (!at || !ramp_at)
         return CMD_INTERNAL;
-    if (mask) {
+    patch->auto_mask = strcmp(word, "auto") == 0;
+    patch->ramp = mask && !patch->auto_mask ? 1 : MAKE_RAMP;
+    if (mask && !patch->auto_mask && strcmp(word, "none") != 0) {
         make_options plain = *defaults;
         plain.format = 0;
-        patch->ramp = 1; /* a painted mask has its own soft edge */
         status = scene_image(scene, mask, at, &plain, &patch->mask);
     }
     if (ramp && status == CMD_OK)
-        status = scene_whole(scene, ramp, at, 1, 65536, &patch->ramp);
-    if (separate && status == CMD_OK)
-        status = scene_flag(scene, separate, separate_at, &patch->separate_mask);
+        status = scene_whole(scene, ramp, ramp_at, 1, 65536, &patch->ramp);
     return status;
+}
+
+static int read_tau(make_scene *scene, const json_t *object, const char *pointer, make_patch *patch) {
+    const json_t *tau = json_object_get(object, "tau");
+    const char *at = make_string(scene, "%s/tau", pointer);
+    if (!tau)
+        return CMD_OK;
+    if (!at)
+        return CMD_INTERNAL;
+    if (!json_is_number(tau))
+        return scene_wrong_type(scene, at, tau, "a number");
+    if (!patch->auto_mask)
+        return make_complain(scene, at, "'tau' belongs to the mask \"auto\"");
+    patch->tau = json_number_value(tau);
+    if (!(patch->tau > 0.0 && patch->tau <= AUTHOR_TAU_MOST))
+        return make_complain(scene, at, "%g is not above 0 and at most %g", patch->tau, AUTHOR_TAU_MOST);
+    return CMD_OK;
+}
+
+static int read_colour(make_scene *scene, const json_t *object, const char *pointer, make_patch *patch) {
+    const json_t *colour = json_object_get(object, "colour");
+    const char *at = make_string(scene, "%s/colour", pointer), *text;
+    if (!colour)
+        return CMD_OK;
+    int status = at ? scene_text(scene, colour, at, &text) : CMD_INTERNAL;
+    if (status != CMD_OK)
+        return status;
+    int number = scene_choice("none|gain|poisson", text);
+    if (number < 0)
+        return make_complain(scene, at, "there is no '%s': one of none, gain, poisson", text);
+    patch->colour = (make_colour)number;
+    return CMD_OK;
+}
+
+static int read_normals(make_scene *scene, const json_t *object, const char *pointer, make_patch *patch) {
+    const json_t *normals = json_object_get(object, "normals");
+    const char *at = make_string(scene, "%s/normals", pointer), *text;
+    if (!normals)
+        return CMD_OK;
+    int status = at ? scene_text(scene, normals, at, &text) : CMD_INTERNAL;
+    if (status != CMD_OK)
+        return status;
+    int number = scene_choice("y_up|y_down|keep", text);
+    if (number < 0)
+        return make_complain(scene, at, "there is no '%s': one of y_up, y_down, keep", text);
+    patch->normals = (make_normals)number;
+    return CMD_OK;
+}
+
+static int read_patch_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out) {
+    const json_t *value = json_object_get(object, name);
+    const char *at = make_string(scene, "%s/%s", pointer, name);
+    if (!at)
+        return CMD_INTERNAL;
+    return value ? scene_flag(scene, value, at, out) : CMD_OK;
+}
+
+/* A patch that shows a texture has no picture that could be worked on. */
+static int check_shown(make_scene *scene, const char *pointer, const make_patch *patch) {
+    static const char *const names[] = {"colour", "prune", "bake_affine"};
+    const int given[] = {patch->colour != COLOUR_NONE, patch->prune, patch->bake_affine};
+    for (int i = 0; i < 3; i++) {
+        const char *at = make_string(scene, "%s/%s", pointer, names[i]);
+        if (!at)
+            return CMD_INTERNAL;
+        if (given[i])
+            return make_complain(scene, at, "a patch that shows a texture has no picture of its own to change");
+    }
+    const char *at = make_string(scene, "%s/mask", pointer);
+    if (!at || !patch->auto_mask)
+        return at ? CMD_OK : CMD_INTERNAL;
+    return make_complain(scene, at, "the mask \"auto\" is made of a picture, and this patch shows a texture");
+}
+
+/* What is done to the pictures of a patch behind the root. */
+static int read_treatment(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
+                          make_patch *patch) {
+    int status = read_mask(scene, object, pointer, defaults, patch);
+    if (status == CMD_OK)
+        status = read_tau(scene, object, pointer, patch);
+    if (status == CMD_OK)
+        status = read_colour(scene, object, pointer, patch);
+    if (status == CMD_OK)
+        status = read_normals(scene, object, pointer, patch);
+    if (status == CMD_OK)
+        status = read_patch_flag(scene, object, pointer, "separate_mask", &patch->separate_mask);
+    if (status == CMD_OK)
+        status = read_patch_flag(scene, object, pointer, "prune", &patch->prune);
+    if (status == CMD_OK)
+        status = read_patch_flag(scene, object, pointer, "bake_affine", &patch->bake_affine);
+    return status == CMD_OK && patch->texture != ZT_NONE ? check_shown(scene, pointer, patch) : status;
 }
 
 /* A patch that shows an earlier texture of the file, by name. */
@@ -227,22 +313,25 @@ static int read_patch_images(make_scene *scene, const json_t *object, const char
 
 static int read_root(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
                      make_texture *texture, make_patch *patch) {
-    static const char *const known[] = {"name", "image", "layers", "semantic", NULL};
+    static const char *const known[] = {"name", "image", "layers", "semantic", "prune", NULL};
     int status = scene_check_keys(scene, object, pointer, known);
     if (status != CMD_OK) {
         cmd_hint("The first patch is the root: it covers everything, so it has no place and no "
                  "mask.");
         return status;
     }
-    status = read_sources(scene, object, pointer, defaults, texture, patch->images);
+    status = read_patch_flag(scene, object, pointer, "prune", &patch->prune);
+    if (status == CMD_OK)
+        status = read_sources(scene, object, pointer, defaults, texture, patch->images);
     return status == CMD_OK ? read_semantic(scene, object, pointer, texture) : status;
 }
 
 static int read_child(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
                       make_texture *texture, uint32_t index) {
-    static const char *const known[] = {"name",  "image",   "layers",        "texture", "parent",      "offset",
-                                        "scale", "corners", "rect_pixels",   "matrix",  "matrix_root", "at_crop",
-                                        "mask",  "ramp",    "separate_mask", NULL};
+    static const char *const known[] = {
+        "name",          "image",       "layers", "texture",     "parent",      "offset",  "scale",
+        "corners",       "rect_pixels", "matrix", "matrix_root", "at_crop",     "mask",    "ramp",
+        "separate_mask", "colour",      "tau",    "prune",       "bake_affine", "normals", NULL};
     make_patch *patch = &texture->patches[index];
     const json_t *shown = json_object_get(object, "texture");
     int status = scene_check_keys(scene, object, pointer, known);
@@ -254,7 +343,7 @@ static int read_child(make_scene *scene, const json_t *object, const char *point
         status = read_parent(scene, object, pointer, texture, index, patch);
     if (status == CMD_OK)
         status = read_place(scene, object, pointer, patch);
-    return status == CMD_OK ? read_mask(scene, object, pointer, defaults, patch) : status;
+    return status == CMD_OK ? read_treatment(scene, object, pointer, defaults, patch) : status;
 }
 
 static int read_patch(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
@@ -319,13 +408,32 @@ static int read_wrap(make_scene *scene, const json_t *object, const char *pointe
     return CMD_OK;
 }
 
+/* What a texture is follows from its members; 'kind' is for readers. NULL: it is not there. */
+static int check_kind(make_scene *scene, const json_t *object, const char *pointer, const char *kind) {
+    int patches = json_object_get(object, "patches") != NULL, silmap = json_object_get(object, "silmap") != NULL;
+    const char *found = patches ? "zipmap" : silmap ? "silmap" : "image";
+    const char *at = make_string(scene, "%s/kind", pointer);
+    if (!at)
+        return CMD_INTERNAL;
+    if (silmap && (patches || json_object_get(object, "image") || json_object_get(object, "layers")))
+        return make_complain(scene, pointer,
+                             "'silmap' says what the texture is made of: no 'image', 'layers' or 'patches' beside it");
+    if (!kind || strcmp(kind, found) == 0)
+        return CMD_OK;
+    return make_complain(scene, at, "%s",
+                         patches  ? "a texture with 'patches' is a zipmap"
+                         : silmap ? "a texture with 'silmap' is a silmap"
+                                  : "'image', or 'zipmap' together with 'patches'");
+}
+
 static int read_texture(make_scene *scene, const json_t *object, const char *pointer, make_texture *texture) {
     static const char *const known[] = {"name",   "kind",     "wrap",    "defaults", "image",
-                                        "layers", "semantic", "patches", NULL};
+                                        "layers", "semantic", "patches", "silmap",   NULL};
     const json_t *name = json_object_get(object, "name");
     const json_t *kind = json_object_get(object, "kind");
     const json_t *patches = json_object_get(object, "patches");
-    const char *at = make_string(scene, "%s/patches", pointer);
+    const json_t *silmap = json_object_get(object, "silmap");
+    const char *at = make_string(scene, "%s/%s", pointer, silmap ? "silmap" : "patches");
     const char *name_at = make_string(scene, "%s/name", pointer);
     const char *kind_at = make_string(scene, "%s/kind", pointer);
     const char *text = NULL;
@@ -347,13 +455,15 @@ static int read_texture(make_scene *scene, const json_t *object, const char *poi
         status = scene_defaults(scene, object, pointer, &defaults);
     if (status != CMD_OK)
         return status;
-    if (text && strcmp(text, patches ? "zipmap" : "image") != 0)
-        return make_complain(scene, kind_at, "%s",
-                             patches ? "a texture with 'patches' is a zipmap"
-                                     : "'image', or 'zipmap' together with 'patches'");
+    status = check_kind(scene, object, pointer, text);
+    if (status != CMD_OK)
+        return status;
     if (patches)
         return read_patches(scene, patches, at, &defaults, texture);
-    status = read_sources(scene, object, pointer, &defaults, texture, texture->images);
+    if (silmap && !json_object_get(object, "wrap"))
+        memset(texture->wrap, ZT_WRAP_CLAMP, sizeof texture->wrap);
+    status = silmap ? scene_silmap(scene, silmap, at, &defaults, texture)
+                    : read_sources(scene, object, pointer, &defaults, texture, texture->images);
     return status == CMD_OK ? read_semantic(scene, object, pointer, texture) : status;
 }
 

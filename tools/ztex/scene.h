@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Between the two files that read scenes. All return a cmd_status and print their messages with the JSON pointer. */
+/* Between the files that read scenes. All return a cmd_status and print their messages with the JSON pointer. */
 #ifndef ZTEX_SCENE_H
 #define ZTEX_SCENE_H
 
@@ -20,6 +20,9 @@ int scene_choice(const char *choices, const char *word); /* position in "a|b|c",
 int scene_options(make_scene *scene, const json_t *object, const char *pointer, make_options *o);
 /* The same out of object's member "defaults". */
 int scene_defaults(make_scene *scene, const json_t *object, const char *pointer, make_options *o);
+/* scene_silmap.c: the member "silmap" of a texture, which makes it one. */
+int scene_silmap(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
+                 make_texture *texture);
 int scene_image(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                 const make_image **out);
 

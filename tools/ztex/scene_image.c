@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct make_block {
     struct make_block *next;
@@ -313,6 +314,42 @@ static int image_files(make_scene *scene, const json_t *list, const char *pointe
     return CMD_OK;
 }
 
+/* "walk_%03d.png" with a number in it, or NULL when the name has no such place. */
+static char *numbered(make_scene *scene, const char *pattern, unsigned number) {
+    const char *percent = strrchr(pattern, '%');
+    if (!percent || strchr(percent, '/'))
+        return NULL;
+    const char *end = percent + 1;
+    int width = 0;
+    if (*end == '0' && end[1] >= '1' && end[1] <= '9') {
+        width = end[1] - '0';
+        end += 2;
+    }
+    if (*end != 'd')
+        return NULL;
+    return make_string(scene, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, number, end + 1);
+}
+
+int make_number_files(make_scene *scene, make_image *image) {
+    const char *pattern = image->files[0].path;
+    unsigned first = 0, count = 0;
+    const char *name = numbered(scene, pattern, 0);
+    if (!name)
+        return CMD_OK;
+    first = access(name, F_OK) != 0;
+    while ((name = numbered(scene, pattern, first + count)) != NULL && access(name, F_OK) == 0)
+        count++;
+    if (count == 0)
+        return make_complain(scene, image->pointer, "%s: there is no file with number 0 or 1", pattern);
+    make_file *files = make_alloc(scene, count, sizeof *files);
+    for (unsigned i = 0; files && i < count; i++)
+        files[i].path = numbered(scene, pattern, first + i);
+    image->files = files;
+    image->file_count = count;
+    image->all_subimages = 0;
+    return files ? CMD_OK : CMD_INTERNAL;
+}
+
 /* "as": what several pictures are, or the subimages of one. */
 static int image_kind(make_scene *scene, const json_t *object, const char *pointer, make_image *image) {
     int kind;
@@ -328,7 +365,7 @@ static int image_kind(make_scene *scene, const json_t *object, const char *point
     image->volume = kind == 3;
     image->layer_kind = kind == 3 ? 0 : kind;
     image->all_subimages = image->file_count == 1;
-    return CMD_OK;
+    return image->all_subimages ? make_number_files(scene, image) : CMD_OK;
 }
 
 static int image_crop(make_scene *scene, const json_t *object, const char *pointer, make_image *image) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A scene into a texture file: images first, then textures with their patches, then metadata. */
-#include "make.h"
+#include "silmap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -73,16 +73,8 @@ static int store_image_texture(make_store *store, const make_texture *texture, t
 
 /* ---- kind zipmap -------------------------------------------------------------------------------------- */
 
-/* What is known of a patch when it is stored; later patches may have it as their parent. */
-typedef struct placed {
-    make_parent self;
-    make_crop crop;
-    uint32_t sources[MAKE_LAYERS];
-    uint32_t mask;
-} placed;
-
-/* The first layer carries the coverage, in its alpha or in a mask image beside it. */
-static int store_coverage(make_store *store, const make_patch *patch, make_use *use, placed *p, make_stored *stored) {
+int make_store_coverage(make_store *store, const make_patch *patch, make_use *use, make_placed *p,
+                        make_stored *stored) {
     const make_image *image = patch->images[0];
     int separate = patch->separate_mask;
     int status = CMD_OK;
@@ -102,30 +94,67 @@ static int store_coverage(make_store *store, const make_patch *patch, make_use *
     return status;
 }
 
-static int store_layers(make_store *store, const make_texture *texture, uint32_t index, placed *p) {
+static void note_size(make_placed *p, const make_patch *patch, const make_stored *stored) {
+    p->self.width = stored->width;
+    p->self.height = stored->height;
+    p->crop = (make_crop){patch->images[0]->crop, stored->full_width, stored->full_height};
+}
+
+/* How large a patch is, from the header of its picture: it is placed before it is stored, since normals turn with it. */
+static int measure(const make_store *store, const make_texture *texture, uint32_t index, make_placed *p) {
     const make_patch *patch = &texture->patches[index];
+    const make_image *image = patch->images[0];
+    char error[IMG_ERROR];
+    img_reader *reader = make_open_picture(store, image, 0, texture->semantics[0], 0, error);
+    if (!reader)
+        return make_fail_picture(store, image, image->files[0].path, error);
+    const img_info *info = img_get_info(reader);
+    int resized = image->resize_width > 0 && image->resize_height > 0;
+    make_stored size = {.width = resized ? image->resize_width : info->width,
+                        .height = resized ? image->resize_height : info->height,
+                        .full_width = info->full_width,
+                        .full_height = info->full_height};
+    note_size(p, patch, &size);
+    img_close(reader);
+    return CMD_OK;
+}
+
+/* [R8108] with the place in the scene. */
+static int check_frames(const make_store *store, const make_image *image, const make_placed *root, uint32_t layers) {
+    if (layers == 1 || layers == root->frames)
+        return CMD_OK;
+    return make_complain(store->scene, image->pointer,
+                         "%u frames, where the root has %u: a patch has as many frames as the root, or one",
+                         (unsigned)layers, (unsigned)root->frames);
+}
+
+static int store_layers(make_store *store, const make_texture *texture, uint32_t index, make_placed *all) {
+    const make_patch *patch = &texture->patches[index];
+    make_placed *p = &all[index];
     make_stored stored;
     for (uint32_t i = 0; i < texture->layer_count; i++) {
+        make_turn turn;
         make_use use = {.semantic = texture->semantics[i], .role = ROLE_PLAIN};
+        use.turn = make_turn_for(texture, index, i, all, NULL, &turn);
         memcpy(use.wrap, index == 0 ? texture->wrap : clamped, sizeof use.wrap);
-        int status = index > 0 && i == 0 ? store_coverage(store, patch, &use, p, &stored)
+        int status = index > 0 && i == 0 ? make_store_coverage(store, patch, &use, p, &stored)
                                          : make_store_image(store, patch->images[i], &use, &stored);
+        if (status == CMD_OK && index == 0 && i == 0)
+            p->frames = stored.layers;
+        if (status == CMD_OK)
+            status = check_frames(store, patch->images[i], &all[0], stored.layers);
         if (status != CMD_OK)
             return status;
         p->sources[i] = stored.image;
-        if (i > 0)
-            continue;
-        p->self.width = stored.width;
-        p->self.height = stored.height;
-        p->crop = (make_crop){patch->images[0]->crop, stored.full_width, stored.full_height};
     }
     return CMD_OK;
 }
 
 /* A patch that shows a texture of the file: its coverage is the texture's, times a mask if there is one. */
 static int store_shown(make_store *store, const make_texture *texture, uint32_t index, const texture_size *sizes,
-                       placed *p) {
+                       make_placed *all) {
     const make_patch *patch = &texture->patches[index];
+    make_placed *p = &all[index];
     for (uint32_t i = 0; i < texture->layer_count; i++)
         p->sources[i] = patch->texture;
     p->self.width = sizes[patch->texture].width;
@@ -137,12 +166,13 @@ static int store_shown(make_store *store, const make_texture *texture, uint32_t 
     memcpy(use.wrap, clamped, sizeof use.wrap);
     int status = make_store_image(store, patch->mask, &use, &stored);
     p->mask = stored.image;
-    return status;
+    return status == CMD_OK ? check_frames(store, patch->mask, &all[0], stored.layers) : status;
 }
 
-static int place_patch(make_store *store, const make_texture *texture, uint32_t index, placed *all, double matrix[9]) {
+static int place_patch(make_store *store, const make_texture *texture, uint32_t index, make_placed *all,
+                       double matrix[9]) {
     const make_patch *patch = &texture->patches[index];
-    placed *self = &all[index];
+    make_placed *self = &all[index];
     if (index == 0) {
         memcpy(matrix, make_identity, sizeof make_identity);
         memcpy(self->self.root_matrix, make_identity, sizeof make_identity);
@@ -171,27 +201,68 @@ static int add_zipmap(make_store *store, const make_texture *texture, const zt_p
     return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
 }
 
+static void warn_of_normals(const make_store *store, const make_texture *texture, uint32_t index,
+                            const make_placed *all) {
+    make_turn turn;
+    for (uint32_t i = 0; i < texture->layer_count; i++)
+        if (make_turn_for(texture, index, i, all, NULL, &turn))
+            cmd_warn(store->args, "%s: the normals of the texture that it shows do not turn with it",
+                     texture->patches[index].pointer);
+}
+
+/* The place of a patch that is worked on has to be known before. */
+static int store_treated(make_store *store, const make_texture *texture, uint32_t index, make_treatment *treatment,
+                         make_placed *all, double matrix[9]) {
+    make_stored size;
+    int status = make_treat_load(treatment, index, &size);
+    if (status != CMD_OK)
+        return status;
+    all[index].frames = 1;
+    note_size(&all[index], &texture->patches[index], &size);
+    status = place_patch(store, texture, index, all, matrix);
+    return status == CMD_OK ? make_treat_patch(treatment, index, all) : status;
+}
+
+static int store_patch(make_store *store, const make_texture *texture, uint32_t index, const texture_size *sizes,
+                       make_treatment *treatment, make_placed *all, zt_patch_desc *desc) {
+    const make_patch *patch = &texture->patches[index];
+    int shows = patch->texture != ZT_NONE, status;
+    all[index].mask = ZT_NONE;
+    if (make_treats(treatment, index)) {
+        status = store_treated(store, texture, index, treatment, all, desc->matrix);
+    } else {
+        status = shows ? store_shown(store, texture, index, sizes, all) : measure(store, texture, index, &all[index]);
+        if (status == CMD_OK)
+            status = place_patch(store, texture, index, all, desc->matrix);
+        if (status == CMD_OK && shows)
+            warn_of_normals(store, texture, index, all);
+        else if (status == CMD_OK)
+            status = store_layers(store, texture, index, all);
+    }
+    desc->parent = patch->parent;
+    desc->shows_texture = (uint32_t)shows;
+    desc->sources = all[index].sources;
+    return status;
+}
+
 static int store_zipmap(make_store *store, const make_texture *texture, texture_size *sizes, uint32_t self) {
     uint32_t count = texture->patch_count;
-    placed *all = calloc(count, sizeof *all);
+    make_placed *all = calloc(count, sizeof *all);
     zt_patch_desc *patches = calloc(count, sizeof *patches);
-    int status = all && patches ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
-    for (uint32_t i = 0; status == CMD_OK && i < count; i++) {
-        const make_patch *patch = &texture->patches[i];
-        int shows = patch->texture != ZT_NONE;
-        all[i].mask = ZT_NONE;
-        status = shows ? store_shown(store, texture, i, sizes, &all[i]) : store_layers(store, texture, i, &all[i]);
-        if (status == CMD_OK)
-            status = place_patch(store, texture, i, all, patches[i].matrix);
-        patches[i].parent = patch->parent;
-        patches[i].shows_texture = (uint32_t)shows;
-        patches[i].sources = all[i].sources;
+    make_treatment *treatment = NULL;
+    int status = all && patches ? make_treat_begin(store, texture, &treatment)
+                                : cmd_fail(CMD_INTERNAL, "out of memory");
+    for (uint32_t i = 0; status == CMD_OK && i < count; i++)
+        status = store_patch(store, texture, i, sizes, treatment, all, &patches[i]);
+    if (status == CMD_OK)
+        status = make_treat_finish(treatment, all, patches);
+    for (uint32_t i = 0; status == CMD_OK && i < count; i++)
         patches[i].mask = all[i].mask;
-    }
     if (status == CMD_OK) {
         sizes[self] = (texture_size){all[0].self.width, all[0].self.height};
         status = add_zipmap(store, texture, patches);
     }
+    make_treat_end(treatment);
     free(patches);
     free(all);
     return status;
@@ -205,8 +276,11 @@ static int store_textures(make_store *store) {
     int status = sizes ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
     for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
         const make_texture *texture = &scene->textures[t];
-        status = texture->is_zipmap ? store_zipmap(store, texture, sizes, t)
-                                    : store_image_texture(store, texture, &sizes[t]);
+        if (texture->silmap)
+            status = make_store_silmap(store, texture, &sizes[t].width, &sizes[t].height);
+        else
+            status = texture->is_zipmap ? store_zipmap(store, texture, sizes, t)
+                                        : store_image_texture(store, texture, &sizes[t]);
     }
     free(sizes);
     return status;

@@ -2,6 +2,7 @@
 /* Rows of a picture as rows of a texture: channels in order, colours in the format's coding, coverage in the alpha. */
 #include "make.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,21 +42,6 @@ static int read_direct(make_rows *r, uint32_t z, uint32_t y, uint32_t count, voi
 
 /* ---- through floats -------------------------------------------------------------------------------------- */
 
-static uint32_t least(uint32_t a, uint32_t b) {
-    return a < b ? a : b;
-}
-
-/* 0 on the border, 1 from the ramp's texels on inwards. A ramp longer than half the patch would never reach 1. */
-static float ramp_at(const make_rows *r, uint32_t x, uint32_t y) {
-    uint32_t w = r->info->width, h = r->info->height;
-    uint32_t inside = least(least(x, w - 1 - x), least(y, h - 1 - y));
-    uint32_t longest = (least(w, h) - 1) / 2;
-    uint32_t ramp = least(r->ramp, longest);
-    if (inside == 0)
-        return 0.0f;
-    return inside >= ramp ? 1.0f : (float)inside / (float)ramp;
-}
-
 static int fill_coverage(make_rows *r, uint32_t y, uint32_t count, char *error) {
     uint32_t w = r->info->width;
     if (r->mask && img_read_rows(r->mask, 0, y, count, 1, IMG_FLOAT, r->coverage, 0, error))
@@ -63,9 +49,18 @@ static int fill_coverage(make_rows *r, uint32_t y, uint32_t count, char *error) 
     for (uint32_t row = 0; row < count; row++)
         for (uint32_t x = 0; x < w; x++) {
             float *at = &r->coverage[(size_t)row * w + x];
-            *at = (r->mask ? *at : 1.0f) * ramp_at(r, x, y + row);
+            *at = (r->mask ? *at : 1.0f) * author_ramp(w, r->info->height, r->ramp, x, y + row);
         }
     return 0;
+}
+
+/* sRGB and its like are straight enough over the root of the light. */
+static float encode(const make_rows *r, float value) {
+    if (!r->table || !(value >= 0.0f && value < 1.0f))
+        return zt_transfer_encode(r->transfer_out, value);
+    float at = sqrtf(value) * MAKE_TABLE;
+    int i = (int)at;
+    return r->table[i] + (at - (float)i) * (r->table[i + 1] - r->table[i]);
 }
 
 /* Colours of a texel from the picture's coding to the texture's, and from its alpha to the texture's times cover. */
@@ -79,7 +74,7 @@ static void convert_texel(const make_rows *r, float *p, float alpha, float cover
             value = alpha > 0.0f ? value / alpha : 0.0f;
         if (multiply)
             value *= alpha * cover;
-        p[c] = zt_transfer_encode(r->transfer_out, value);
+        p[c] = encode(r, value);
     }
     if (r->alpha_out != ZT_ALPHA_NONE)
         p[3] = alpha * cover;
@@ -92,20 +87,39 @@ static void gather(const make_rows *r, const float *from, float *to) {
     }
 }
 
-int make_rows_read(make_rows *r, uint32_t z, uint32_t y, uint32_t count, void *dst, char *error) {
-    size_t texels = (size_t)r->info->width * count;
+/* The next rows as floats into source and coverage, or where they are already. */
+static int fetch(make_rows *r, uint32_t z, uint32_t y, uint32_t count, const float **source, const float **cover,
+                 char *error) {
+    size_t row = r->info->width;
     int covered = r->role == ROLE_COVERED || r->role == ROLE_MASK;
-    if (r->direct)
-        return read_direct(r, z, y, count, dst, error);
+    *source = r->source;
+    *cover = covered ? r->coverage : NULL;
+    if (r->ready) {
+        const author_picture *picture = &r->ready->picture, *coverage = &r->ready->coverage;
+        *source = picture->texels + (size_t)y * row * picture->channels;
+        *cover = coverage->texels ? coverage->texels + (size_t)y * row : NULL;
+        return 0;
+    }
     if (img_read_rows(r->reader, z, y, count, 0, IMG_FLOAT, r->source, 0, error))
         return -1;
-    if (covered && fill_coverage(r, y, count, error))
+    return covered ? fill_coverage(r, y, count, error) : 0;
+}
+
+int make_rows_read(make_rows *r, uint32_t z, uint32_t y, uint32_t count, void *dst, char *error) {
+    size_t texels = (size_t)r->info->width * count;
+    size_t channels = r->ready ? r->ready->picture.channels : r->info->channels;
+    const float *source, *coverage;
+    if (r->direct)
+        return read_direct(r, z, y, count, dst, error);
+    if (fetch(r, z, y, count, &source, &coverage, error))
         return -1;
     for (size_t i = 0; i < texels; i++) {
-        const float *from = r->source + i * r->info->channels;
+        const float *from = source + i * channels;
         float *to = r->rgba + 4 * i;
-        float cover = covered ? r->coverage[i] : 1.0f;
-        float alpha = r->source_alpha >= 0 ? from[r->source_alpha] : 1.0f;
+        float cover = coverage ? coverage[i] : 1.0f;
+        /* The coverage of a picture that is ready has its alpha in it. */
+        int has_alpha = r->source_alpha >= 0 && !(r->ready && coverage);
+        float alpha = has_alpha ? from[r->source_alpha] : 1.0f;
         if (r->role == ROLE_MASK) {
             to[0] = cover * alpha;
             continue;
@@ -113,6 +127,8 @@ int make_rows_read(make_rows *r, uint32_t z, uint32_t y, uint32_t count, void *d
         gather(r, from, to);
         convert_texel(r, to, alpha, cover);
     }
+    if (r->turn && r->role != ROLE_MASK)
+        make_turn_rows(r->turn, r, y, count, r->rgba);
     if (zt_pack_texels(r->format->format, r->rgba, texels, dst) != ZT_OK) {
         snprintf(error, IMG_ERROR, "texels of %s cannot be made", r->format->name);
         return -1;

@@ -196,6 +196,28 @@ static int add_zipmap(convert_job *job, uint32_t texture, const zt_texture_info 
     return result == ZT_OK ? CMD_OK : cmd_fail_result(job->input.name, result, &diag);
 }
 
+static int add_silmap(convert_job *job, uint32_t texture, const zt_texture_info *info, const zt_texture_desc *desc) {
+    zt_silmap_info from;
+    uint32_t samples[LAYERS], minified[LAYERS];
+    zt_diag diag = {.offset = UINT64_MAX};
+    zt_result result = zt_get_silmap(job->input.file, texture, &from);
+    for (uint32_t l = 0; l < info->layer_count; l++) {
+        uint32_t image = zt_get_silmap_minified(job->input.file, texture, l);
+        samples[l] = desc->layers[l].image;
+        minified[l] = image == ZT_NONE ? ZT_NONE : job->images[image];
+    }
+    zt_silmap_desc silmap = {.cells_x = from.cells_x,
+                             .cells_y = from.cells_y,
+                             .cell_layers = from.cell_layers,
+                             .filter = from.filter,
+                             .cells = from.cells,
+                             .samples = samples,
+                             .minified = minified};
+    if (result == ZT_OK)
+        result = zt_writer_add_silmap(job->writer, desc, &silmap, &diag, &job->textures[texture]);
+    return result == ZT_OK ? CMD_OK : cmd_fail_result(job->input.name, result, &diag);
+}
+
 /* Layers of a texture of kind image have one size; those of a root may differ. */
 static int one_size(const convert_job *job, uint32_t texture, uint32_t layer_count) {
     zt_image_info first = {0}, info;
@@ -229,6 +251,8 @@ static int add_texture(convert_job *job, uint32_t texture) {
                             .wrap_w = info.wrap_w,
                             .layers = layers,
                             .layer_count = info.layer_count};
+    if (info.kind == ZT_KIND_SILMAP)
+        return add_silmap(job, texture, &info, &desc);
     int flat = info.kind == ZT_KIND_IMAGE || (job->strip_patches && one_size(job, texture, info.layer_count));
     if (!flat)
         return add_zipmap(job, texture, &info, &desc, job->strip_patches ? 1 : info.patch_count);

@@ -30,6 +30,11 @@ static const cmd_option options[] = {
      .max = 0xFFFFFFFE,
      .help = "Patch of a zipmap; default: 0, the root."},
     {.name = "mask", .help = "The mask of the patch instead of its image."},
+    {.name = "minified", .help = "The minified image of a silmap's layer instead of its samples."},
+    {.name = "cells",
+     .help =
+         "The cells of a silmap as SVG, to be looked at: points, arms (those that are cut thick), and the colours of "
+         "the samples."},
     {.name = "level", .letter = 'l', .metavar = "N", .kind = CMD_INTEGER, .max = 31, .help = "Mip level; default: 0."},
     {.name = "array-layer",
      .metavar = "N",
@@ -51,6 +56,38 @@ static const cmd_option options[] = {
      .kind = CMD_FOLDER,
      .help = "Level 0 of every image as pictures that hold the texels exactly, and scene.json, from which 'ztex make' "
              "makes the same textures."},
+    {.name = "dzi",
+     .metavar = "OUT.dzi",
+     .kind = CMD_FILE,
+     .help =
+         "The texture as a Deep Zoom pyramid for viewers such as OpenSeadragon: this file, and a folder OUT_files of "
+         "tiles. A zipmap is rendered, as large as its finest patch wants."},
+    {.name = "tile-size",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 16,
+     .max = 8192,
+     .fallback = "254",
+     .help = "Of --dzi: texels a side, without overlap."},
+    {.name = "overlap",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 64,
+     .fallback = "1",
+     .help = "Of --dzi: texels that tiles repeat of their neighbours."},
+    {.name = "max-size",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 1,
+     .max = 1u << 20,
+     .fallback = "32768",
+     .help = "Of --dzi: most texels a side of the whole."},
+    {.name = "format",
+     .metavar = "TYPE",
+     .kind = CMD_CHOICE,
+     .choices = "jpg|png",
+     .help = "Of --dzi: type of the tiles; default: jpg, with alpha png."},
+    {.name = "quality", .metavar = "Q", .kind = CMD_INTEGER, .min = 1, .max = 100, .fallback = "95", .help = "Of jpg."},
     {.name = "meta", .help = "Print the metadata as JSON."},
     {.name = "key", .metavar = "KEY", .kind = CMD_TEXT, .help = "Print the value of a metadata key."},
     {0}};
@@ -59,7 +96,9 @@ static const cmd_example examples[] = {
     {"ztex extract brick.ztex -o brick.png", "The first texture's picture."},
     {"ztex extract wall.ztex -t wall --patch 3 -o detail.png", "What a patch shows, its coverage as alpha."},
     {"ztex extract brick.ztex --layer normal --level 2 -o small.png", "A mip level of another layer."},
+    {"ztex extract sign.ztex --cells -o cells.svg", "See the cells of a silmap."},
     {"ztex extract wall.ztex --all wall", "Everything; 'ztex make wall/scene.json -o wall.ztex' makes it again."},
+    {"ztex extract wall.ztex --dzi wall.dzi", "A picture to zoom into, for the web."},
     {"ztex extract wall.ztex --key zt.license", "Say under which licence the work is."},
     {0}};
 
@@ -117,7 +156,7 @@ static int image_of_patch(const cmd_args *args, const cmd_input *input, uint32_t
 }
 
 static int find_image(const cmd_args *args, const cmd_input *input, uint32_t *image) {
-    static const char *const others[] = {"texture", "layer", "patch", "mask"};
+    static const char *const others[] = {"texture", "layer", "patch", "mask", "minified"};
     uint32_t texture, layer;
     zt_layer_info row;
     if (cmd_given(args, "image")) {
@@ -136,7 +175,9 @@ static int find_image(const cmd_args *args, const cmd_input *input, uint32_t *im
         return image_of_patch(args, input, texture, layer, image);
     if (zt_get_layer(input->file, texture, layer, &row) != ZT_OK)
         return cmd_fail(CMD_INTERNAL, "%s: the texture has no image", input->name);
-    *image = row.image;
+    *image = cmd_given(args, "minified") ? zt_get_silmap_minified(input->file, texture, layer) : row.image;
+    if (*image == ZT_NONE)
+        return cmd_fail(CMD_USAGE, "%s: texture %u has no minified image", input->name, (unsigned)texture);
     return CMD_OK;
 }
 
@@ -149,6 +190,7 @@ static int read_part(const cmd_args *args, const cmd_input *input, extract_part 
     if (status != CMD_OK)
         return status;
     zt_get_level(input->file, image, part->region.level, &size);
+    part->quality = (int)cmd_integer(args, "quality");
     part->region.layer = (uint32_t)cmd_integer(args, "array-layer");
     part->region.z = (uint32_t)cmd_integer(args, "slice");
     if (part->region.layer >= part->info.layers)
@@ -186,15 +228,55 @@ static int extract_one(cmd_args *args, const cmd_input *input, const char *path)
     return status;
 }
 
+static int extract_drawing(const cmd_args *args, const cmd_input *input, const char *path) {
+    static const char *const others[] = {"image", "patch", "mask", "minified", "level", "slice", "region", "raw"};
+    uint32_t texture, layer;
+    cmd_output output = {0};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (cmd_given(args, others[i]))
+            return cmd_usage(args, "--cells and --%s exclude each other", others[i]);
+    int status = pick_texture(input, cmd_text(args, "texture"), &texture);
+    if (status == CMD_OK)
+        status = pick_layer(input, texture, cmd_text(args, "layer"), &layer);
+    if (status == CMD_OK)
+        status = cmd_output_open(&output, path, 0);
+    if (status == CMD_OK)
+        status = extract_cells(input->file, input->name, texture, layer, (uint32_t)cmd_integer(args, "array-layer"),
+                               output.stream);
+    if (status == CMD_OK)
+        return cmd_output_commit(&output);
+    cmd_output_drop(&output);
+    return status;
+}
+
+static int check_dzi(const cmd_args *args) {
+    static const char *const others[] = {"image", "patch",  "mask", "minified", "level",
+                                         "slice", "region", "raw",  "cells"};
+    static const char *const own[] = {"tile-size", "overlap", "max-size", "format"};
+    int given = cmd_given(args, "dzi");
+    for (size_t i = 0; given && i < sizeof others / sizeof others[0]; i++)
+        if (cmd_given(args, others[i]))
+            return cmd_usage(args, "--dzi and --%s exclude each other", others[i]);
+    for (size_t i = 0; !given && i < sizeof own / sizeof own[0]; i++)
+        if (cmd_given(args, own[i]))
+            return cmd_usage(args, "--%s goes with --dzi", own[i]);
+    return CMD_OK;
+}
+
 static int run(cmd_args *args) {
     const char *path = cmd_text(args, "output"), *folder = cmd_text(args, "all"), *key = cmd_text(args, "key");
+    const char *pyramid = cmd_text(args, "dzi");
     int prints = key || cmd_given(args, "meta");
     cmd_input input;
-    if ((path != NULL) + (folder != NULL) + prints != 1)
-        return cmd_usage(args, "one of --output, --all, --meta and --key is wanted");
-    if (path && strcmp(path, "-") == 0 && !cmd_given(args, "raw"))
+    if ((path != NULL) + (folder != NULL) + (pyramid != NULL) + prints != 1)
+        return cmd_usage(args, "one of --output, --all, --dzi, --meta and --key is wanted");
+    if (cmd_given(args, "cells") && !path)
+        return cmd_usage(args, "--cells needs --output: an SVG file, or -");
+    if (path && strcmp(path, "-") == 0 && !cmd_given(args, "raw") && !cmd_given(args, "cells"))
         return cmd_usage(args, "a picture needs a name: its extension says the type. Bytes go out with --raw");
-    int status = path ? cmd_check_output(path, args->operands, 1) : CMD_OK;
+    int status = check_dzi(args);
+    if (status == CMD_OK && (path || pyramid))
+        status = cmd_check_output(path ? path : pyramid, args->operands, 1);
     if (status == CMD_OK)
         status = cmd_open(args, args->operands[0], 0, &input);
     if (status != CMD_OK)
@@ -203,8 +285,10 @@ static int run(cmd_args *args) {
         status = print_metadata(args, &input, key);
     else if (folder)
         status = extract_all(args, &input, folder);
+    else if (pyramid)
+        status = extract_dzi(args, &input, pyramid);
     else
-        status = extract_one(args, &input, path);
+        status = cmd_given(args, "cells") ? extract_drawing(args, &input, path) : extract_one(args, &input, path);
     cmd_close(&input);
     return status;
 }
@@ -212,7 +296,8 @@ static int run(cmd_args *args) {
 const cmd_verb verb_extract = {
     .name = "extract",
     .summary = "Get images, bytes or metadata out of a texture file",
-    .synopsis = "[OPTION]... FILE -o OUT\nFILE --all FOLDER\nFILE --meta | --key KEY",
+    .synopsis = "[OPTION]... FILE -o OUT\nFILE --cells -o CELLS.svg\nFILE --all FOLDER\nFILE --dzi OUT.dzi\nFILE "
+                "--meta | --key KEY",
     .text =
         "Writes one slice of one level of an image as a picture. Integers go into png as they are, sRGB stays sRGB and "
         "straight alpha straight. Floats go into exr, with premultiplied alpha. Where the picture's type cannot hold "

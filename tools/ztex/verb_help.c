@@ -13,11 +13,13 @@ static const cmd_option options[] = {
      .help = "Print the script that completes words in this shell."},
     {0}};
 
-static const cmd_example examples[] = {{"ztex help make", "Say how to make a texture file."},
-                                       {"ztex help formats", "List the texel formats."},
-                                       {"ztex help --man make | man -l -", "Read the man page of a verb."},
-                                       {"source <(ztex help --completion bash)", "Complete words in this shell."},
-                                       {0}};
+static const cmd_example examples[] = {
+    {"ztex help make", "Say how to make a texture file."},
+    {"ztex help make zipmap", "Say how to make a zipmap from a heap of photographs."},
+    {"ztex help formats", "List the texel formats."},
+    {"ztex help --man make | man -l -", "Read the man page of a verb."},
+    {"source <(ztex help --completion bash)", "Complete words in this shell."},
+    {0}};
 
 static int print_formats(void) {
     for (uint32_t i = 0; zt_get_format(i); i++) {
@@ -32,16 +34,18 @@ static int print_formats(void) {
 static int run(cmd_args *args) {
     const char *shell = cmd_text(args, "completion");
     const cmd_verb *verb = NULL;
+    size_t used = 0;
     if (shell && args->operand_count > 0)
         return cmd_usage(args, "--completion is for all verbs at once: leave '%s' out", args->operands[0]);
     if (shell)
         return cmd_completion(stdout, shell);
-    if (args->operand_count > 0 && strcmp(args->operands[0], "formats") == 0)
+    if (args->operand_count == 1 && strcmp(args->operands[0], "formats") == 0)
         return print_formats();
     if (args->operand_count > 0) {
-        verb = cmd_find_verb(args->operands[0]);
-        if (!verb)
-            return cmd_usage(args, "there is no verb '%s'", args->operands[0]);
+        verb = cmd_match_verb(args->operands, args->operand_count, &used);
+        if (!verb || used < args->operand_count)
+            return cmd_usage(args, "there is no verb '%s%s%s'", args->operands[0], args->operand_count > 1 ? " " : "",
+                             args->operand_count > 1 ? args->operands[1] : "");
     }
     return cmd_given(args, "man") ? cmd_help_man(stdout, verb) : cmd_help_print(stdout, verb);
 }
@@ -56,6 +60,6 @@ const cmd_verb verb_help = {
     .examples = examples,
     .operand = CMD_COMMAND,
     .min_operands = 0,
-    .max_operands = 1,
+    .max_operands = 2,
     .run = run,
 };

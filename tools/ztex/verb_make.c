@@ -1,29 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ztex make: pictures, or a scene that names them, into a texture file. */
-#include "make.h"
+#include "make_args.h"
+#include "silmap.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const cmd_option options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .metavar = "FILE",
-     .kind = CMD_TEXTURE,
-     .help = "The texture file to write; - is standard output. Required."},
-    {.name = "name",
-     .letter = 'n',
-     .metavar = "NAME",
-     .kind = CMD_TEXT,
-     .help = "Name of the texture. Default: the picture's without folder and extension."},
-    {.name = "format",
-     .letter = 'f',
-     .metavar = "FORMAT",
-     .kind = CMD_FORMAT,
-     .help = "Texel format, such as R8G8B8A8_SRGB ('ztex help formats' lists them). Default: the "
-             "picture's own channels and depth; 8-bit colours become SRGB formats. Colours are "
-             "converted where the format's coding differs."},
+    MAKE_OPTION_OUTPUT,
+    MAKE_OPTION_NAME,
+    MAKE_OPTION_FORMAT,
     {.name = "semantic",
      .metavar = "NAME",
      .kind = CMD_TEXT,
@@ -36,27 +22,9 @@ static const cmd_option options[] = {
      .kind = CMD_TEXT,
      .repeat = 1,
      .help = "Another layer of the same texture: --layer normal=brick_n.png."},
-    {.name = "wrap",
-     .letter = 'w',
-     .metavar = "MODE",
-     .kind = CMD_CHOICE,
-     .choices = "repeat|mirror|clamp|border",
-     .fallback = "repeat",
-     .help = "How the texture goes on beyond its edges."},
-    {.name = "levels",
-     .metavar = "N",
-     .kind = CMD_INTEGER,
-     .min = 1,
-     .max = 32,
-     .choices = "all",
-     .fallback = "all",
-     .help = "Mip levels, the first being the picture."},
-    {.name = "mip-filter",
-     .metavar = "FILTER",
-     .kind = CMD_CHOICE,
-     .choices = "kaiser|mitchell|triangle|box",
-     .fallback = "kaiser",
-     .help = "Filter for the smaller levels. It works in linear light, weighted by alpha."},
+    MAKE_OPTION_WRAP,
+    MAKE_OPTION_LEVELS,
+    MAKE_OPTION_MIP_FILTER,
     {.name = "alpha",
      .metavar = "MODE",
      .kind = CMD_CHOICE,
@@ -83,33 +51,13 @@ static const cmd_option options[] = {
      .help = "Several pictures, or the subimages of one, are the frames of an animation. A name "
              "with %d or %04d stands for frames numbered from 0 or 1."},
     {.name = "volume", .help = "Several pictures are the slices of a volume."},
-    {.name = "meta",
-     .metavar = "KEY=VALUE",
-     .kind = CMD_TEXT,
-     .repeat = 1,
-     .help = "Metadata, such as zt.title=Brick."},
-    {.name = "license",
-     .metavar = "SPDX",
-     .kind = CMD_TEXT,
-     .help = "Licence of the work, an SPDX expression: sets zt.license."},
-    {.name = "writer", .help = "Name this program in the metadata. Not by default: equal input gives equal bytes."},
-    {.name = "tile-edge",
-     .metavar = "N",
-     .kind = CMD_INTEGER,
-     .min = 16,
-     .max = 65536,
-     .choices = "16|32|64|128|256|512|1024",
-     .fallback = "256",
-     .help = "Edge of the tiles that are compressed and read one by one, a power of two."},
-    {.name = "effort",
-     .metavar = "N",
-     .kind = CMD_INTEGER,
-     .min = 1,
-     .max = 9,
-     .fallback = "5",
-     .help = "Effort of the compression: 1 is fast, 9 is small."},
-    {.name = "raw", .help = "Do not compress."},
-    {.name = "no-fsync", .help = "Do not wait for the disk, for temporary files and bulk jobs."},
+    MAKE_OPTION_META,
+    MAKE_OPTION_LICENSE,
+    MAKE_OPTION_WRITER,
+    MAKE_OPTION_TILE_EDGE,
+    MAKE_OPTION_EFFORT,
+    MAKE_OPTION_RAW,
+    MAKE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {
@@ -124,7 +72,8 @@ static const cmd_example examples[] = {
 
 static const char text[] =
     "From a picture it makes a texture of kind image, with mip levels, for any format that "
-    "OpenImageIO reads. Several pictures become array layers, cube faces, frames or slices "
+    "OpenImageIO reads, and from Deep Zoom pictures (NAME.dzi) and folders of the IIIF Image API "
+    "(info.json). Several pictures become array layers, cube faces, frames or slices "
     "(--array, --cube, --frames, --volume), and --layer adds layers such as normals.\n"
     "\n"
     "From a scene, a JSON file, it makes zipmaps and files with several textures. A zipmap has a "
@@ -166,7 +115,7 @@ static int read_defaults(const cmd_args *args, make_options *o) {
     const char *format = cmd_text(args, "format");
     uint64_t edge = cmd_integer(args, "tile-edge");
     *o = (make_options){.alpha = cmd_choice(args, "alpha"),
-                        .mip_filter = cmd_choice(args, "mip-filter"),
+                        .mip_filter = cmd_given(args, "mip-filter") ? cmd_choice(args, "mip-filter") : MAKE_UNSET,
                         .levels = (int)cmd_integer(args, "levels"),
                         .keep_orientation = cmd_given(args, "keep-orientation") > 0};
     if (format)
@@ -177,91 +126,6 @@ static int read_defaults(const cmd_args *args, make_options *o) {
     o->tile_edge = cmd_given(args, "tile-edge") ? (int)edge : 0;
     int status = named_number(args, "transfer", cmd_transfer_number, &o->transfer);
     return status == CMD_OK ? named_number(args, "primaries", cmd_primaries_number, &o->primaries) : status;
-}
-
-static int add_metadata(const cmd_args *args, make_scene *scene) {
-    size_t count = (size_t)cmd_given(args, "meta");
-    make_pair *pairs = make_alloc(scene, count + 8, sizeof *pairs);
-    if (!pairs)
-        return CMD_INTERNAL;
-    size_t at = scene->metadata_count;
-    if (at > 0)
-        memcpy(pairs, scene->metadata, at * sizeof *pairs);
-    for (size_t i = 0; i < count; i++) {
-        const char *word = cmd_text_at(args, "meta", i);
-        const char *equals = strchr(word, '=');
-        if (!equals || equals == word)
-            return cmd_usage(args, "--meta: '%s' is not KEY=VALUE", word);
-        pairs[at].key = make_string(scene, "%.*s", (int)(equals - word), word);
-        pairs[at].value = equals + 1;
-        if (!pairs[at++].key)
-            return CMD_INTERNAL;
-    }
-    if (cmd_text(args, "license"))
-        pairs[at++] = (make_pair){"zt.license", cmd_text(args, "license")};
-    if (cmd_given(args, "writer")) {
-        char *writer = make_string(scene, "ztex %s", zt_version_string());
-        pairs[at++] = (make_pair){"zt.writer", writer ? writer : ""};
-    }
-    scene->metadata = pairs;
-    scene->metadata_count = at;
-    return CMD_OK;
-}
-
-/* Who made the picture goes with it. Texts that are not UTF-8 stay behind. */
-static int copy_authorship(make_scene *scene, const char *path) {
-    char error[IMG_ERROR];
-    img_open_options keep = {.keep_orientation = 1};
-    img_reader *reader = img_open(path, &keep, error);
-    if (!reader)
-        return CMD_OK; /* the message comes when the picture is read */
-    const img_info *info = img_get_info(reader);
-    const char *values[2] = {info->copyright, info->artist};
-    static const char *const keys[2] = {"zt.copyright", "zt.author"};
-    make_pair *pairs = make_alloc(scene, 2, sizeof *pairs);
-    for (int i = 0; pairs && i < 2; i++) {
-        json_t *valid = json_string(values[i]);
-        if (valid && values[i][0])
-            pairs[scene->metadata_count++] = (make_pair){keys[i], make_string(scene, "%s", values[i])};
-        json_decref(valid);
-    }
-    scene->metadata = pairs;
-    img_close(reader);
-    return pairs ? CMD_OK : CMD_INTERNAL;
-}
-
-/* "walk_%03d.png" with a number in it, or NULL when the name has no such place. */
-static char *numbered(make_scene *scene, const char *pattern, unsigned number) {
-    const char *percent = strchr(pattern, '%');
-    if (!percent)
-        return NULL;
-    const char *end = percent + 1;
-    int width = 0;
-    if (*end == '0' && end[1] >= '1' && end[1] <= '9') {
-        width = end[1] - '0';
-        end += 2;
-    }
-    if (*end != 'd')
-        return NULL;
-    return make_string(scene, "%.*s%0*u%s", (int)(percent - pattern), pattern, width, number, end + 1);
-}
-
-static int number_frames(make_scene *scene, const char *pattern, make_image *image) {
-    unsigned first = 0, count = 0;
-    const char *name = numbered(scene, pattern, 0);
-    if (!name)
-        return CMD_OK;
-    first = access(name, F_OK) != 0;
-    while ((name = numbered(scene, pattern, first + count)) != NULL && access(name, F_OK) == 0)
-        count++;
-    if (count == 0)
-        return make_complain(scene, "", "%s: there is no file with number 0 or 1", pattern);
-    make_file *files = make_alloc(scene, count, sizeof *files);
-    for (unsigned i = 0; files && i < count; i++)
-        files[i].path = numbered(scene, pattern, first + i);
-    image->files = files;
-    image->file_count = count;
-    return files ? CMD_OK : CMD_INTERNAL;
 }
 
 static int main_image(const cmd_args *args, make_scene *scene, const char *const *paths, make_image *image) {
@@ -287,51 +151,31 @@ static int main_image(const cmd_args *args, make_scene *scene, const char *const
         return cmd_usage(args, "several pictures: say --array, --cube, --frames or --volume, or "
                                "--layer SEMANTIC=FILE for layers of a material");
     image->all_subimages = given && count == 1;
-    return given && count == 1 ? number_frames(scene, paths[0], image) : CMD_OK;
+    return given && count == 1 ? make_number_files(scene, image) : CMD_OK;
 }
 
 static int other_layers(const cmd_args *args, make_scene *scene, make_texture *texture) {
     int count = cmd_given(args, "layer");
     for (int i = 0; i < count; i++) {
-        const char *word = cmd_text_at(args, "layer", (size_t)i);
-        const char *equals = strchr(word, '=');
-        char name[64];
-        snprintf(name, sizeof name, "%.*s", equals ? (int)(equals - word) : 0, word);
-        int semantic = cmd_semantic_number(name);
-        if (!equals || semantic < 0 || equals[1] == '\0')
-            return cmd_usage(args, "--layer: '%s' is not SEMANTIC=FILE, such as normal=brick_n.png", word);
-        if (texture->layer_count == MAKE_LAYERS)
-            return cmd_usage(args, "--layer: a texture has at most %d layers", MAKE_LAYERS);
+        const char *path;
+        uint32_t semantic;
+        int status = make_read_layer(args, cmd_text_at(args, "layer", (size_t)i), texture->layer_count, &semantic,
+                                     &path);
+        if (status != CMD_OK)
+            return status;
         make_image *image = make_alloc(scene, 1, sizeof *image);
         make_file *file = make_alloc(scene, 1, sizeof *file);
         if (!image || !file)
             return CMD_INTERNAL;
-        file->path = equals + 1;
+        file->path = path;
         *image = (make_image){.files = file, .file_count = 1, .options = scene->defaults, .pointer = ""};
         /* --format and --transfer are about the main picture. */
         image->options.format = 0;
         image->options.transfer = MAKE_UNSET;
-        texture->semantics[texture->layer_count] = (uint32_t)semantic;
+        texture->semantics[texture->layer_count] = semantic;
         texture->images[texture->layer_count++] = image;
     }
     return CMD_OK;
-}
-
-static const char *texture_name(const cmd_args *args, make_scene *scene, const char *path) {
-    const char *given = cmd_text(args, "name");
-    const char *slash = strrchr(path, '/');
-    const char *base = slash ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    if (given)
-        return given;
-    if (strcmp(args->operands[0], "-") == 0)
-        return "";
-    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
-    char *name = make_string(scene, "%.*s", (int)(length < 255 ? length : 255), base);
-    /* A name that the format does not allow is no reason to refuse the picture. */
-    json_t *valid = name ? json_string(name) : NULL;
-    json_decref(valid);
-    return valid ? name : "";
 }
 
 static int scene_of_pictures(const cmd_args *args, make_scene *scene, const char *const *paths) {
@@ -346,7 +190,7 @@ static int scene_of_pictures(const cmd_args *args, make_scene *scene, const char
     int status = main_image(args, scene, paths, image);
     if (status != CMD_OK)
         return status;
-    *texture = (make_texture){.name = texture_name(args, scene, image->files[0].path),
+    *texture = (make_texture){.name = make_texture_name(args, scene, image->files[0].path),
                               .wrap = {(uint8_t)wrap, (uint8_t)wrap, (uint8_t)wrap},
                               .layer_count = 1,
                               .semantics = {(uint32_t)semantic},
@@ -355,7 +199,7 @@ static int scene_of_pictures(const cmd_args *args, make_scene *scene, const char
     scene->textures = texture;
     scene->texture_count = 1;
     status = other_layers(args, scene, texture);
-    return status == CMD_OK ? copy_authorship(scene, image->files[0].path) : status;
+    return status == CMD_OK ? make_copy_authorship(scene, image->files[0].path) : status;
 }
 
 /* ---- a scene file --------------------------------------------------------------------------------------- */
@@ -377,7 +221,7 @@ static int scene_of_text(const cmd_args *args, make_scene *scene, const char *pa
         return status;
     scene->name = cmd_input_name(path);
     scene->folder = slash ? make_string(scene, "%.*s", (int)(slash - path + 1), path) : "";
-    status = scene->folder ? add_metadata(args, scene) : CMD_INTERNAL;
+    status = scene->folder ? make_add_metadata(args, scene) : CMD_INTERNAL;
     return status == CMD_OK ? make_scene_parse(scene, json, size) : status;
 }
 
@@ -405,9 +249,11 @@ static int is_scene_text(const char *data, size_t size) {
     return i < size && data[i] == '{';
 }
 
+/* info.json is what the IIIF Image API calls the descriptor of a picture. */
 static int is_scene_name(const char *path) {
     size_t length = strlen(path);
-    return length > 5 && strcmp(path + length - 5, ".json") == 0;
+    const char *slash = strrchr(path, '/');
+    return length > 5 && strcmp(path + length - 5, ".json") == 0 && strcmp(slash ? slash + 1 : path, "info.json") != 0;
 }
 
 /* Builds the scene from whatever the operand is. *data and *temporary are released by the caller. */
@@ -429,7 +275,7 @@ static int read_operands(const cmd_args *args, make_scene *scene, void **data, c
     }
     const char *one[1] = {*temporary};
     int status = scene_of_pictures(args, scene, from_stream ? one : args->operands);
-    return status == CMD_OK ? add_metadata(args, scene) : status;
+    return status == CMD_OK ? make_add_metadata(args, scene) : status;
 }
 
 static int check_image_output(const make_image *image, const char *output) {
@@ -453,6 +299,8 @@ static int check_scene_outputs(const make_scene *scene, const char *output) {
         const make_texture *texture = &scene->textures[t];
         for (uint32_t i = 0; status == CMD_OK && !texture->is_zipmap && i < texture->layer_count; i++)
             status = check_image_output(texture->images[i], output);
+        if (status == CMD_OK && texture->silmap && texture->silmap->edges)
+            status = cmd_check_output(output, &texture->silmap->edges, 1);
         for (uint32_t i = 0; status == CMD_OK && i < texture->patch_count; i++)
             status = check_patch_output(&texture->patches[i], texture->layer_count, output);
     }
@@ -465,12 +313,6 @@ static int run(cmd_args *args) {
     void *data = NULL;
     char *temporary = NULL;
     cmd_progress progress;
-    zt_writer_options writer = {.size = sizeof writer,
-                                .effort = (int)cmd_integer(args, "effort"),
-                                .raw_only = cmd_given(args, "raw") > 0,
-                                .flags = cmd_given(args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0,
-                                .user = &progress,
-                                .progress = cmd_progress_step};
     if (!output)
         return cmd_usage(args, "-o FILE is missing: where shall the texture go?");
     int status = cmd_check_output(output, args->operands, args->operand_count);
@@ -481,6 +323,7 @@ static int run(cmd_args *args) {
     if (status == CMD_OK)
         status = check_scene_outputs(&scene, output);
     cmd_progress_begin(&progress, args, "making");
+    zt_writer_options writer = make_writer_options(args, &progress);
     if (status == CMD_OK)
         status = make_store_scene(args, &scene, output, &writer, &progress);
     cmd_progress_end(&progress);

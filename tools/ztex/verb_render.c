@@ -44,7 +44,10 @@ static const cmd_option options[] = {
      .fallback = "8",
      .min = 1,
      .max = FRAMES_MOST,
-     .help = "Number of pictures of --zoom-path."},
+     .help = "Number of pictures of --zoom-path, or of --play."},
+    {.name = "play",
+     .help = "The frames of an animation, one a picture, from --frame on and round again, along --zoom-path or in one "
+             "--view."},
     {.name = "sheet",
      .metavar = "COLUMNS",
      .kind = CMD_INTEGER,
@@ -82,7 +85,7 @@ static const cmd_option options[] = {
      .metavar = "N",
      .kind = CMD_INTEGER,
      .max = 65535,
-     .help = "Frame of an animation (the same as --array-layer)."},
+     .help = "Frame of an animation, from 0 on (the same as --array-layer)."},
     {.name = "array-layer", .metavar = "N", .kind = CMD_INTEGER, .max = 65535, .help = "Array layer or cube face."},
     {.name = "slice", .metavar = "W", .kind = CMD_INTEGER, .max = 16383, .help = "Slice of a volume."},
     {.name = "background",
@@ -116,6 +119,7 @@ static const cmd_example examples[] = {
     {"ztex render face.ztex -o eye.png --view 0.4,0.3,0.5,0.4 --size 800", "A detail, 800 pixels wide."},
     {"ztex render face.ztex -o zoom%04d.png --zoom-path '0,0,1,1;0.44,0.34,0.46,0.36' --frames 120",
      "The frames of a film that zooms in."},
+    {"ztex render walk.ztex -o film%04d.png --play --frames 48", "An animation, as pictures for a film."},
     {"ztex render face.ztex -o sheet.png --zoom-path '0,0,1,1;0.44,0.34,0.46,0.36' --frames 12 --sheet 4 --size 400",
      "The same on one sheet."},
     {0}};
@@ -130,6 +134,7 @@ typedef struct render_job {
     render_view *views;
     uint32_t view_count;
     uint32_t columns; /* 0: each view has its own picture */
+    int plays;        /* each view shows the frame behind that of the view before */
     int is_colour;
     uint32_t channels; /* of the pictures: 1, 3 or 4 */
     img_type type;
@@ -145,16 +150,19 @@ static int read_views(render_job *job) {
     int given = cmd_given(job->args, "view");
     if (zoom && given)
         return cmd_usage(job->args, "--view and --zoom-path exclude each other");
-    if (!zoom && cmd_given(job->args, "frames"))
-        return cmd_usage(job->args, "--frames goes with --zoom-path");
+    job->plays = cmd_given(job->args, "play") > 0;
+    if (!zoom && !job->plays && cmd_given(job->args, "frames"))
+        return cmd_usage(job->args, "--frames goes with --zoom-path or --play");
+    if (job->plays && given > 1)
+        return cmd_usage(job->args, "--play goes with one --view");
     if (zoom && render_path_parse(zoom, path))
         return cmd_usage(job->args, "--zoom-path '%s': two rectangles 'u0,v0,u1,v1;u0,v0,u1,v1' are wanted", zoom);
-    job->view_count = zoom ? (uint32_t)cmd_integer(job->args, "frames") : given ? (uint32_t)given : 1;
+    job->view_count = zoom || job->plays ? (uint32_t)cmd_integer(job->args, "frames") : given ? (uint32_t)given : 1;
     job->views = calloc(job->view_count, sizeof *job->views);
     if (!job->views)
         return cmd_fail(CMD_INTERNAL, "out of memory");
     for (uint32_t i = 0; i < job->view_count; i++) {
-        const char *text = given ? cmd_text_at(job->args, "view", i) : cmd_text(job->args, "view");
+        const char *text = given > 1 ? cmd_text_at(job->args, "view", i) : cmd_text(job->args, "view");
         if (zoom)
             job->views[i] = render_path_at(path, job->view_count > 1 ? (double)i / (job->view_count - 1) : 0.0);
         else if (render_view_parse(text, &job->views[i], NULL))
@@ -294,8 +302,11 @@ static zt_result render_band(render_job *job, const sheet *s, uint32_t sheet_row
         s->rgba[i] = 1.0f;
     for (uint32_t c = 0; c < s->columns && sheet_row * s->columns + c < s->count; c++) {
         float *at = s->rgba + 4 * (size_t)c * (job->style.width + s->gap);
-        zt_result result = render_rows(job->sampler, &job->style, &s->views[sheet_row * s->columns + c], y, count, at,
-                                       pitch, cmd_parallel(job->args), diag);
+        const render_view *view = &s->views[sheet_row * s->columns + c];
+        render_style style = job->style;
+        if (job->plays)
+            style.array_layer = (uint32_t)((style.array_layer + (uint64_t)(view - job->views)) % job->root.layers);
+        zt_result result = render_rows(job->sampler, &style, view, y, count, at, pitch, cmd_parallel(job->args), diag);
         if (result != ZT_OK)
             return result;
     }

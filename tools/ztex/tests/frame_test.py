@@ -9,21 +9,22 @@ import unittest
 import support
 from support import INVALID, IO, OK, USAGE, ZTEX
 
-VERBS = os.environ.get("ZTEX_VERBS", "make inspect validate extract render convert diff recover help").split()
+VERBS = os.environ.get("ZTEX_VERBS", "make make-zipmap inspect validate extract render convert diff recover help").split()
+WORDS = [verb.split("-") for verb in VERBS]
 
 
 class Help(support.Case):
     def test_overview(self):
         out, _ = self.ztex("help")
         self.assertEqual(out, self.ztex("--help")[0])
-        for verb in VERBS:
-            self.assertIn(f"\n  {verb} ", out.decode())
+        for words in WORDS:
+            self.assertIn(f"\n  {' '.join(words)} ", out.decode())
 
     def test_every_verb_teaches(self):
-        for verb in VERBS:
-            out = self.ztex(verb, "--help")[0].decode()
-            self.assertEqual(out, self.ztex("help", verb)[0].decode())
-            for part in ("Usage: ztex " + verb, "Options:", "Examples:", "Exit codes:"):
+        for words in WORDS:
+            out = self.ztex(*words, "--help")[0].decode()
+            self.assertEqual(out, self.ztex("help", *words)[0].decode())
+            for part in ("Usage: ztex " + " ".join(words) + " ", "Options:", "Examples:", "Exit codes:"):
                 self.assertIn(part, out)
             self.assertLessEqual(max(len(line) for line in out.splitlines() if "ztex" not in line), 100)
 
@@ -37,6 +38,23 @@ class Help(support.Case):
         run = subprocess.run(["./ztex-make", "--help"], stdout=subprocess.PIPE, check=True)
         self.assertEqual(run.stdout, self.ztex("make", "--help")[0])
 
+    def test_two_words(self):
+        help_text = self.ztex("make", "zipmap", "--help")[0]
+        os.symlink(ZTEX, "ztex-make-zipmap")
+        os.symlink(ZTEX, "ztex-make")
+        for words in (["./ztex-make-zipmap", "--help"], ["./ztex-make", "zipmap", "--help"]):
+            self.assertEqual(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout, help_text)
+        self.assertIn(b"ztex make zipmap", self.ztex("make", "--help")[0])
+        _, errors = self.ztex("help", "make", "teapot", status=USAGE)
+        self.assertIn("make teapot", errors)
+
+    def test_a_picture_named_like_a_second_word(self):
+        support.save("zipmap.png", support.ramps())
+        os.rename("zipmap.png", "zipmap")
+        for words in (["./zipmap", "-o", "a.ztex"], ["-o", "a.ztex", "zipmap"]):
+            self.ztex("make", *words)
+            self.assertEqual(self.probe("a.ztex")["textures"][0]["kind"], 0, words)
+
     def test_version(self):
         for words in (["--version"], ["make", "--version"]):
             self.assertRegex(self.ztex(*words)[0].decode(), r"^ztex \d+\.\d+\.\d+ \(libzt \d+\.\d+\.\d+\)\n$")
@@ -47,7 +65,7 @@ class Help(support.Case):
 
 class Man(support.Case):
     def test_pages_are_clean(self):
-        for words in [[]] + [[verb] for verb in VERBS]:
+        for words in [[]] + WORDS:
             page = self.ztex("help", "--man", *words)[0]
             self.assertTrue(page.startswith(b".TH "))
             if not shutil.which("groff"):
@@ -73,14 +91,23 @@ class Completion(support.Case):
         open("a.ztex", "w").close()
         open("b.png", "w").close()
         os.mkdir("sub")
+        seconds = [words[1] for words in WORDS if len(words) > 1]
         self.assertEqual(self.complete("ztex ma"), ["make"])
-        self.assertEqual(set(VERBS) - set(self.complete("ztex ")), set())
+        self.assertEqual({words[0] for words in WORDS} - set(self.complete("ztex ")), set())
         self.assertEqual(self.complete("ztex make --mip"), ["--mip-filter"])
         self.assertEqual(self.complete("ztex make --wrap "), ["repeat", "mirror", "clamp", "border"])
         self.assertEqual(self.complete("ztex make -w mi"), ["mirror"])
         self.assertEqual(self.complete("ztex make --wrap = cl"), ["clamp"])
         self.assertEqual(self.complete("ztex make --format R8G8B8A8_S"), ["R8G8B8A8_SRGB"])
-        self.assertEqual(sorted(self.complete("ztex make ")), ["a.ztex", "b.png", "sub"])
+        self.assertEqual(sorted(self.complete("ztex make ")), sorted(["a.ztex", "b.png", "sub", *seconds]))
+        self.assertEqual(self.complete("ztex make zi"), ["zipmap"])
+        self.assertEqual(self.complete("ztex-make zi"), ["zipmap"])
+        self.assertEqual(sorted(self.complete("ztex make b.png ")), ["a.ztex", "b.png", "sub"])
+        self.assertEqual(self.complete("ztex make zipmap --colo"), ["--colour"])
+        self.assertEqual(self.complete("ztex make zipmap --colour no"), ["none"])
+        self.assertEqual(self.complete("ztex-make-zipmap --colo"), ["--colour"])
+        self.assertEqual(self.complete("ztex help make zi"), ["zipmap"])
+        self.assertEqual(sorted(self.complete("ztex make zipmap ")), ["a.ztex", "b.png", "sub"])
         self.assertEqual(sorted(self.complete("ztex make -o ")), ["a.ztex", "sub"])
         self.assertEqual(self.complete("ztex-make --wra"), ["--wrap"])
         self.assertEqual(self.complete("/usr/bin/ztex-make --wra"), ["--wrap"])
@@ -106,6 +133,9 @@ class Completion(support.Case):
         script = self.ztex("help", "--completion", "fish")[0].decode()
         run = subprocess.run(["fish", "--no-config", "-c", script + "\ncomplete -C'ztex make --wrap mi'"], stdout=subprocess.PIPE)
         self.assertIn(b"mirror", run.stdout)
+        for line, word in (("ztex make zi", b"zipmap"), ("ztex make zipmap --colour no", b"none")):
+            run = subprocess.run(["fish", "--no-config", "-c", f"{script}\ncomplete -C'{line}'"], stdout=subprocess.PIPE)
+            self.assertIn(word, run.stdout)
 
 
 class Parsing(support.Case):

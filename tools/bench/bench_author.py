@@ -1,0 +1,203 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""./dev bench author: are heaps of photographs put together rightly, how exactly, how well hidden are the seams, and at what cost?
+
+    ./dev bench author [--heaps N] [--large] [--write]
+
+Makes N heaps (default 20) of 12 photographs with tools/bench/heap.py, runs `ztex make zipmap` on each and compares with the truth. --large
+adds one heap of photographs of 12 megapixels, for time and memory, with one thread and with two. --write writes docs/author-bench.md.
+Heaps are kept in build/bench/heaps."""
+import argparse
+import datetime
+import hashlib
+import json
+import os
+import platform
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import heap
+
+ZTEX = os.environ.get('ZTEX', 'build/release/tools/ztex/ztex')
+HEAPS = Path('build/bench/heaps')
+KINDS = ('2x', '4x', '8x', '12x', 'chain', 'mixed')
+
+
+def folder_of(kind, seed, **how):
+    """The heap, made at first use."""
+    folder = HEAPS / f'{kind}_{seed}{"_large" if how else ""}'
+    if not (folder / 'truth.json').exists():
+        print(f'    making {folder}', file=sys.stderr)
+        heap.make_heap(kind, seed, folder, **how)
+    with open(folder / 'truth.json', encoding='utf-8') as file:
+        return folder, json.load(file)
+
+
+def run(folder, truth, *words):
+    """Exit code, seconds, peak MiB, report."""
+    pictures = sorted(str(folder / picture['file']) for picture in truth['pictures'])
+    out, report = folder / 'out.ztex', folder / 'report.json'
+    report.unlink(missing_ok=True)
+    start = time.monotonic()
+    process = subprocess.Popen([ZTEX, 'make', 'zipmap', *pictures, '-o', str(out), '--report', str(report), '-q', *words])
+    _, status, usage = os.wait4(process.pid, 0)
+    seconds = time.monotonic() - start
+    found = json.loads(report.read_text(encoding='utf-8')) if report.exists() else None
+    return os.waitstatus_to_exitcode(status), seconds, usage.ru_maxrss / 1024, found
+
+
+def judge(truth, report):
+    """What is wrong with the graph (a list of texts), and a record for each placed child."""
+    photos = {os.path.basename(photo['file']): photo for photo in report['photographs']}
+    names = [os.path.basename(photo['file']) for photo in report['photographs']]
+    wrong, placed = [], []
+    for picture in truth['pictures']:
+        photo, name = photos[picture['file']], picture['file']
+        if picture['role'] == 'root' and photo['state'] != 'root':
+            wrong.append(f'root {name} is {photo["state"]}')
+        if picture['role'] == 'distractor' and photo['state'] != 'unplaced':
+            wrong.append(f'distractor {name} is {photo["state"]}')
+        if picture['role'] == 'trap' and photo['state'] == 'placed':
+            if heap.corner_error(picture['root_matrix'], photo['root_matrix'], picture['size']) > 5:
+                wrong.append(f'trap {name} lies in a wrong place')
+        if picture['role'] != 'child':
+            continue
+        if photo['state'] != 'placed' or names[photo['parent']] != picture['parent']:
+            wrong.append(f'child {name} ({picture["ratio"]:.1f}x) is {photo["state"]}: {photo.get("reason", "another parent")}')
+        if photo['state'] == 'placed':
+            own = heap.corner_error(picture['matrix'], photo['matrix'], picture['size']) if names[photo['parent']] == picture['parent'] else None
+            whole = heap.corner_error(picture['root_matrix'], photo['root_matrix'], picture['size'])
+            placed.append({'ratio': picture['ratio'], 'root_ratio': picture['root_ratio'], 'error': own, 'root_error': whole})
+    return wrong, placed
+
+
+def median_worst(values, digits=3):
+    values = sorted(v for v in values if v is not None)
+    if not values:
+        return '- | -'
+    return f'{values[len(values) // 2]:.{digits}f} | {values[-1]:.{digits}f}'
+
+
+# --- tables ----------------------------------------------------------------------------------------
+
+
+def accuracy_table(results):
+    lines = ['| heaps | children placed | corner error, pixels of the child: median | worst | to the root: median | worst |',
+             '|---|--:|--:|--:|--:|--:|']
+    for kind in KINDS:
+        placed = [child for result in results if result['kind'] == kind for child in result['placed']]
+        total = sum(result['children'] for result in results if result['kind'] == kind)
+        if total:
+            lines.append(f'| {kind} | {len(placed)} of {total} | {median_worst([c["error"] for c in placed])} | '
+                         f'{median_worst([c["root_error"] for c in placed])} |')
+    far = [c for result in results for c in result['placed'] if c['root_ratio'] > 50]
+    if far:
+        lines.append(f'| finer than 50x, through chains | {len(far)} | {median_worst([c["error"] for c in far])} | '
+                     f'{median_worst([c["root_error"] for c in far])} |')
+    return lines
+
+
+def heap_table(results):
+    lines = ['| heap | graph | seconds | MiB | what differs |', '|---|---|--:|--:|---|']
+    for result in results:
+        lines.append(f'| {result["kind"]} {result["seed"]} | {"right" if not result["wrong"] else "differs"} | {result["seconds"]:.1f} | '
+                     f'{result["memory"]:.0f} | {"; ".join(result["wrong"])} |')
+    return lines
+
+
+def seam_table(results):
+    lines = ['| steps, of 255 | before: median | worst | after: median | worst |', '|---|--:|--:|--:|--:|']
+    seams = [seam for result in results for seam in result['seams'] if seam['places'] >= 16]
+    for name, text in (('median', 'median of a seam'), ('high', '95 % of a seam'), ('worst', 'worst place of a seam'), ('mean', 'mean colour')):
+        lines.append(f'| {text} | {median_worst([s["before"][name] for s in seams], 2)} | {median_worst([s["after"][name] for s in seams], 2)} |')
+    return lines
+
+
+def large_table(rows):
+    lines = ['| 12 photographs of 12 megapixels | seconds | peak MiB | bytes |', '|---|--:|--:|--:|']
+    return lines + [f'| {threads} thread{"s" if threads > 1 else ""} | {seconds:.1f} | {memory:.0f} | {size:,} |'
+                    for threads, seconds, memory, size in rows]
+
+
+def processor():
+    for line in Path('/proc/cpuinfo').read_text(encoding='ascii', errors='replace').splitlines():
+        if line.startswith('model name'):
+            return line.split(':', 1)[1].strip()
+    return platform.machine()
+
+
+# --- the runs --------------------------------------------------------------------------------------
+
+
+def run_heaps(count):
+    results = []
+    for number in range(count):
+        kind, seed = KINDS[number % len(KINDS)], number // len(KINDS) + 1
+        folder, truth = folder_of(kind, seed)
+        status, seconds, memory, report = run(folder, truth, '--allow-many')
+        wrong, placed = judge(truth, report) if report else ([f'exit code {status}'], [])
+        children = sum(picture['role'] == 'child' for picture in truth['pictures'])
+        results.append({'kind': kind, 'seed': seed, 'seconds': seconds, 'memory': memory, 'wrong': wrong, 'placed': placed,
+                        'children': children, 'seams': report['seams'] if report else []})
+        print(f'{kind} {seed}: {"right" if not wrong else "; ".join(wrong)} ({seconds:.1f} s)', flush=True)
+    return results
+
+
+def run_large():
+    folder, truth = folder_of('mixed', 1, width=5000)
+    rows, sums = [], set()
+    for threads in (1, 2):
+        _, seconds, memory, _ = run(folder, truth, '--threads', str(threads), '--allow-many', '--no-fsync')
+        data = (folder / 'out.ztex').read_bytes()
+        sums.add(hashlib.sha256(data).hexdigest())
+        rows.append((threads, seconds, memory, len(data)))
+        print(f'large, {threads} threads: {seconds:.1f} s, {memory:.0f} MiB', flush=True)
+    megapixels = sum(picture["size"][0] * picture["size"][1] for picture in truth["pictures"]) / 1e6
+    return rows, len(sums) == 1, megapixels
+
+
+def document(words, results, large):
+    right = sum(not result['wrong'] for result in results)
+    strangers = sum('distractor' in text or 'trap' in text for result in results for text in result['wrong'])
+    lines = ['# Heaps of photographs: how right, how exact, at what cost', '',
+             f'Made by `./dev bench author {" ".join(words)}` on {datetime.date.today()}. Machine: {processor()}, {os.cpu_count()} processors.', '',
+             f'Heaps of 12 photographs from tools/bench/heap.py: {right} of {len(results)} have the right graph; {strangers} distractors or traps '
+             'were placed wrongly.', '',
+             'The thing in each heap is a real photograph with other real photographs on it as posters; cameras look at it from '
+             'any side, with their own exposure, white balance, vignetting, blur, noise and JPEG. 2x to 12x: each child is so much '
+             'finer than its parent; chain: up to 100x in steps; mixed: 2x to 12x, with a wall of exactly repeated bricks of which one '
+             'picture shows one period. Views of which their parent shows next to nothing (out of focus, plain sky) are not drawn.', '',
+             '## Places', '', *accuracy_table(results), '', '## Seams', '',
+             'Differences between a patch and its parent where the one fades into the other, in the file that was made, both averaged over 8 '
+             'texels of the parent; median and worst of all seams.', '', *seam_table(results), '', '## Heaps', '',
+             *heap_table(results), '']
+    if large:
+        rows, same, megapixels = large
+        lines += ['## Twelve photographs of twelve megapixels', '',
+                  f'A heap of the kind mixed, {megapixels:.0f} megapixels together; the photographs behind have fewer pixels, so that most views are '
+                  'enlarged. The time includes the report.', '', *large_table(rows), '',
+                  f'One thread and two give {"the same bytes" if same else "DIFFERENT bytes"}.', '']
+    return '\n'.join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--heaps', type=int, default=20)
+    parser.add_argument('--large', action='store_true')
+    parser.add_argument('--write', action='store_true')
+    words = parser.parse_args()
+    if not all(os.path.exists(path) for path in heap.PHOTOS):
+        subprocess.run(['bash', 'tools/bench/setup.sh'], check=True)
+    results = run_heaps(words.heaps)
+    large = run_large() if words.large else None
+    text = document(sys.argv[1:], results, large)
+    print('\n' + text)
+    if words.write:
+        Path('docs/author-bench.md').write_text(text, encoding='utf-8')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Silmaps in `ztex make`: a drawing, a picture or glyphs (silmap_source.c) are fitted by the authoring library and stored with
+ * their other layers (silmap_store.c); silmap_report.c tells what could not be held. A silmap comes from a scene (scene_silmap.c) or
+ * from the command line (verb_make_silmap.c).
+ */
+#ifndef ZTEX_SILMAP_H
+#define ZTEX_SILMAP_H
+
+#include <author_silmap.h>
+
+#include "make.h"
+
+#define SILMAP_CELLS 64                       /* along the longer side, when nobody says */
+#define SILMAP_CELLS_MOST (UINT32_C(1) << 20) /* the format's limit along a side */
+
+typedef enum silmap_mask {
+    SILMAP_COLOURS = 0,
+    SILMAP_ALPHA = 1,     /* one channel, the alpha */
+    SILMAP_BRIGHTNESS = 2 /* one channel, the brightness as it is coded, times alpha */
+} silmap_mask;
+
+/* What was fitted, for the report. */
+typedef struct silmap_made {
+    author_silmap_result result;
+    uint32_t width, height; /* of the picture that it was fitted to */
+} silmap_made;
+
+/* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is the font. */
+struct make_silmap {
+    const char *text;  /* UTF-8; NULL: no glyphs */
+    const char *edges; /* SVG with an artist's edges, or NULL */
+    int edges_only;
+    uint32_t cells_x, cells_y; /* 0 and 0: by the longer side */
+    uint32_t longer;           /* cells along the longer side; 0: SILMAP_CELLS, or what quality needs */
+    double quality;            /* dB; 0: none */
+    zt_silmap_filter filter;
+    silmap_mask mask;
+    int no_minified;
+    silmap_made *made; /* gets what was fitted; NULL: nobody asks */
+};
+
+/* "96" or "96x64", each up to SILMAP_CELLS_MOST. 0, or -1. */
+int silmap_parse_cells(const char *text, make_silmap *silmap);
+
+/* silmap_source.c: what a picture is fitted to. */
+typedef struct silmap_source {
+    author_picture picture;
+    author_path *paths;
+    size_t path_count;
+    double *points;
+    int plain;                 /* values, no colours */
+    img_type type;             /* of the original */
+    uint32_t cells_x, cells_y; /* 0 with quality: as many as it needs */
+} silmap_source;
+
+int silmap_source_load(make_store *store, const make_texture *texture, silmap_source *out);
+/* Another layer of the same texture: its picture at a size that suits the cells. */
+int silmap_layer_load(make_store *store, const make_texture *texture, uint32_t layer, const author_silmap_result *fit,
+                      silmap_source *out);
+void silmap_source_release(silmap_source *source);
+
+/* silmap_layer.c: samples and minified image of a picture in cells that are there: the means over the quadrants. */
+author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_result *cells,
+                               author_picture *samples, author_picture *minified);
+
+/* silmap_store.c: the texture into the writer. */
+/* width and height: its cells. */
+int make_store_silmap(make_store *store, const make_texture *texture, uint32_t *width, uint32_t *height);
+
+/* silmap_report.c: as .json or as a page. input: what it was made of. */
+int silmap_write_report(cmd_args *args, const silmap_made *made, const char *input, const char *output,
+                        const char *path);
+
+#endif

@@ -1,0 +1,345 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Property: drawings, pictures, masks and glyphs become silmaps whose edges lie where they were and stay sharp however close one looks; what is
+in them can be seen, compared, converted and taken out again. It matters because an edge in the wrong place, or a soft one, is all that a
+silmap could do worse than an ordinary texture of the same size."""
+import json
+import os
+import re
+import xml.etree.ElementTree
+
+import numpy
+from PIL import Image
+
+import corpus
+import jsonschema
+import support
+from support import DIFFERENT, IO, LIMIT, UNSUPPORTED, USAGE, ramps, save
+
+FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
+HERE = os.path.dirname(os.path.abspath(__file__))
+BACK, DISC = (0xF4, 0xF0, 0xE4), (0x1A, 0x23, 0x7E)
+DISC_SVG = f"""<svg xmlns="http://www.w3.org/2000/svg" width="100" height="100"><rect width="100" height="100" fill="rgb{BACK}"/>
+<circle cx="47" cy="52" r="31" fill="rgb{DISC}"/></svg>"""
+CUT_OUT_SVG = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><circle cx="47" cy="52" r="31" fill="#ff8000"/></svg>"""
+LINES_SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="96" height="96"><g transform="translate(1,2)" style="opacity:0.5">
+<path d="M 30 -2 C 30 30 60 60 60 94" style="fill:none;stroke:#f00;stroke-dasharray:3 2"/></g></svg>"""
+
+
+def disc(pixels):
+    """1 inside of the disc of the drawings above, at the centres of pixels."""
+    at = (numpy.arange(pixels) + 0.5) * 100 / pixels
+    return ((at[None, :] - 47) ** 2 + (at[:, None] - 52) ** 2 < 31 ** 2).astype(float)
+
+
+def light(coded):
+    """sRGB, 0 to 255, in linear light."""
+    coded = coded / 255
+    return numpy.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+def write(name, text):
+    with open(name, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+class Silmap(support.Case):
+    def silmap(self, *words, output="s.ztex", status=support.OK):
+        return self.ztex("make", "silmap", *words, "-o", output, "--no-fsync", status=status)[1]
+
+    def inspect(self, path="s.ztex"):
+        found = json.loads(self.ztex("inspect", "--json", path)[0])
+        corpus.validator("inspect").validate(found)
+        return found
+
+    def pixels(self, *words, path="s.ztex"):
+        self.ztex("render", path, "-o", "r.png", *words)
+        with Image.open("r.png") as picture:
+            return numpy.asarray(picture).astype(float)
+
+    def check_disc(self, covered, pixels, most_wrong):
+        """covered: 0 to 1 for each pixel."""
+        wrong = numpy.mean((covered > 0.5) != (disc(pixels) > 0.5))
+        self.assertLess(wrong, most_wrong)
+        # Sharp: a pixel's width of the circumference is in between, whatever the magnification.
+        between = numpy.sum((covered > 0.04) & (covered < 0.96))
+        self.assertLess(between, 2 * 2 * numpy.pi * 31 / 100 * pixels, f"{pixels} pixels")
+
+
+class Edges(Silmap):
+    def disc_of(self, picture):
+        low, high = numpy.array(BACK), numpy.array(DISC)
+        return ((picture[..., :3] - low) @ (high - low) / ((high - low) @ (high - low))).clip(0, 1)
+
+    def test_drawing(self):
+        write("d.svg", DISC_SVG)
+        self.silmap("d.svg", "--cells", "16")
+        for pixels, wrong in ((256, 0.01), (1024, 0.01)):
+            self.check_disc(self.disc_of(self.pixels("--size", str(pixels))), pixels, wrong)
+        picture = self.pixels("--size", "256")
+        self.assertEqual(tuple(picture[132, 120]), DISC)
+        self.assertEqual(tuple(picture[8, 8]), BACK)
+        self.probe("s.ztex")
+
+    def test_picture(self):
+        """The same from a picture, which is anti-aliased as such pictures are."""
+        write("d.svg", DISC_SVG)
+        many = disc(1024).reshape(256, 4, 256, 4).mean((1, 3))[..., None]
+        save("d.png", (many * DISC + (1 - many) * BACK).round().astype(numpy.uint8))
+        self.silmap("d.png", "--cells", "16")
+        self.check_disc(self.disc_of(self.pixels("--size", "512")), 512, 0.01)
+
+    def test_zoomed_edge_is_one_pixel_wide(self):
+        write("d.svg", DISC_SVG)
+        self.silmap("d.svg", "--cells", "16")
+        picture = self.disc_of(self.pixels("--view", "0.7,0.48,0.8,0.56", "--size", "200x160"))
+        for row in picture:
+            self.assertLess(numpy.sum((row > 0.04) & (row < 0.96)), 4)
+        self.assertTrue((picture[:, 0] > 0.9).all() and (picture[:, -1] < 0.1).all())
+
+    def test_seen_from_afar(self):
+        write("d.svg", DISC_SVG)
+        self.silmap("d.svg", "--cells", "32")
+        share = disc(1000).mean()
+        wanted = share * light(numpy.array(DISC)) + (1 - share) * light(numpy.array(BACK))
+        for pixels in (8, 16, 24, 48):
+            mean = light(self.pixels("--size", str(pixels))[..., :3]).mean((0, 1))
+            self.assertLess(numpy.abs(mean - wanted).max(), 0.015, pixels)
+
+    def test_quality_finds_the_fewest_cells(self):
+        write("d.svg", DISC_SVG)
+        self.silmap("d.svg", "--quality", "28", "--report", "r.json")
+        with open("r.json", encoding="utf-8") as file:
+            report = json.load(file)
+        self.assertGreaterEqual(report["psnr"], 28)
+        self.assertLess(report["cells"][0], 32)
+        self.assertGreater(report["psnr"], report["bilinear_psnr"] + 3)
+
+
+class Masks(Silmap):
+    def test_alpha_of_a_drawing(self):
+        write("c.svg", CUT_OUT_SVG)
+        self.silmap("c.svg", "--mask", "alpha", "--cells", "16")
+        found = self.inspect()
+        self.assertEqual(found["images"][0]["format_name"], "R8_UNORM")
+        self.assertEqual(found["textures"][0]["layers"][0]["semantic_name"], "opacity")
+        self.check_disc(self.pixels("--size", "400") / 255, 400, 0.01)
+
+    def test_cut_out_keeps_its_colour(self):
+        """A billboard: colour and alpha, and no dark seam, because what is transparent has no colour to mix in."""
+        write("c.svg", CUT_OUT_SVG)
+        self.silmap("c.svg", "--cells", "16")
+        found = self.inspect()["images"][0]
+        self.assertEqual((found["format_name"], found["alpha"]), ("R8G8B8A8_SRGB", "straight"))
+        picture = self.pixels("--size", "400")
+        self.check_disc(picture[..., 3] / 255, 400, 0.01)
+        seen = picture[picture[..., 3] > 200][:, :3]
+        self.assertLess(numpy.abs(seen - (255, 128, 0)).max(), 3)
+
+    def test_brightness_of_a_picture(self):
+        """A shader control painted in grey: its values stay what they were painted as."""
+        grey = numpy.full((128, 128), 64, numpy.uint8)
+        grey[:, 60:] = 192
+        save("g.png", grey)
+        self.silmap("g.png", "--mask", "brightness", "--cells", "16", "--semantic", "roughness")
+        picture = self.pixels("--size", "512")
+        self.assertLess(numpy.abs(picture[:, :200] - 64).max(), 2)
+        self.assertLess(numpy.abs(picture[:, 300:] - 192).max(), 2)
+
+    def test_alpha_of_a_picture(self):
+        rgba = numpy.zeros((128, 128, 4), numpy.uint8)
+        rgba[:, :50] = (200, 10, 10, 255)
+        save("a.png", rgba)
+        self.silmap("a.png", "--mask", "alpha", "--cells", "8")
+        # An edge fades away in the last cell before the border of the texture.
+        picture = self.pixels("--size", "256")[32:-32]
+        self.assertTrue((picture[:, :95] > 250).all() and (picture[:, 105:] < 5).all())
+
+
+class Glyphs(Silmap):
+    def test_glyph(self):
+        """An L is two bars, whose places are those of the font's outline."""
+        self.silmap("--font", FONT, "--glyph", "L", "--cells", "18", "--report", "r.json")
+        with open("r.json", encoding="utf-8") as file:
+            report = json.load(file)
+        x, y = report["cells"]
+        picture = self.pixels("--size", f"{40 * x}x{40 * y}") / 255
+        self.assertEqual(y, 18)
+        self.assertLess(report["disagreement"], 0.02)
+        # A cell around the ink is empty; the stem and the foot are there, the upper right is not.
+        self.assertLess(picture[:20].max(), 0.01)
+        self.assertGreater(picture[40 * 9, 60], 0.99)
+        self.assertGreater(picture[-52, 20 * x], 0.99)
+        self.assertLess(picture[40 * 9, 20 * x], 0.01)
+
+    def test_text_is_wider_than_a_glyph(self):
+        self.silmap("--font", FONT, "--text", "AV", "--cells", "24x12")
+        self.silmap("--font", FONT, "--glyph", "U+0041", "--cells", "12", output="a.ztex")
+        self.assertEqual(self.inspect()["textures"][0]["silmap"]["cells_x"], 24)
+        self.assertEqual(self.inspect("a.ztex")["textures"][0]["silmap"]["cells_y"], 12)
+
+
+class Overlays(Silmap):
+    def setUp(self):
+        super().setUp()
+        t = numpy.linspace(0, 1, 500)[:, None]
+        p = [numpy.array(v) for v in ((31, 0), (31, 32), (61, 62), (61, 96))]
+        self.curve = (1 - t) ** 3 * p[0] + 3 * (1 - t) ** 2 * t * p[1] + 3 * (1 - t) * t ** 2 * p[2] + t ** 3 * p[3]
+        at = numpy.arange(96) + 0.5
+        left = at[None, :] < numpy.interp(at, self.curve[:, 1], self.curve[:, 0])[:, None]
+        picture = ramps(96, 96) // 2
+        picture[left] = 255 - picture[left]
+        picture[40:, 10:13] = 255 - picture[40:, 10:13]
+        save("p.png", picture)
+        write("o.svg", LINES_SVG)
+
+    def cut(self, path="s.ztex"):
+        """The cut arms, in cells: x, y of both ends."""
+        svg = self.ztex("extract", path, "--cells", "-o", "-")[0].decode()
+        thick = re.findall(r'd="([^"]*)" stroke="#000" stroke-width="1.2"', svg)[0]
+        return [[float(v) / 16 for v in re.findall(r"[-\d.]+", line)] for line in thick.strip().split("\n") if line]
+
+    def test_lines_are_cuts(self):
+        self.silmap("p.png", "--edges", "o.svg", "--edges-only", "--cells", "12")
+        arms = self.cut()
+        self.assertGreater(len(arms), 10)
+        for x0, y0, x1, y1 in arms:
+            for x, y in ((x0, y0), (x1, y1)):
+                self.assertLess(numpy.hypot(*(self.curve / 8 - (x, y)).T).min(), 0.5, (x, y))
+
+    def test_no_lines_no_cuts(self):
+        save("p.png", ramps(96, 96))
+        self.silmap("p.png", "--cells", "12")
+        self.assertLess(self.inspect()["textures"][0]["silmap"]["cut_cells"], 8)
+
+    def test_layers_share_the_cells(self):
+        normal = numpy.full((50, 50, 3), (128, 128, 255), numpy.uint8)
+        normal[:, :25] = (255, 128, 128)
+        save("n.png", normal)
+        self.silmap("p.png", "--edges", "o.svg", "--edges-only", "--cells", "12", "--layer", "normal=n.png", "--no-minified")
+        found = self.inspect()
+        self.assertEqual([layer["semantic_name"] for layer in found["textures"][0]["layers"]], ["base_colour", "normal"])
+        self.assertEqual(found["textures"][0]["silmap"]["minified"], [None, None])
+        self.assertEqual([image["format_name"] for image in found["images"]], ["R8G8B8_SRGB", "R8G8B8_UNORM"])
+        picture = self.pixels("--layer", "normal", "--size", "48")
+        self.assertLess(numpy.abs(picture[5, 5] - (255, 128, 128)).max(), 3)
+        self.assertLess(numpy.abs(picture[5, 43] - (128, 128, 255)).max(), 3)
+
+
+class Files(Silmap):
+    def setUp(self):
+        super().setUp()
+        write("d.svg", DISC_SVG)
+        self.silmap("d.svg", "--cells", "16", "--name", "disc")
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        for threads in ("1", "2", "5"):
+            self.silmap("d.svg", "--cells", "16", "--name", "disc", "--threads", threads, output="t.ztex")
+            with open("s.ztex", "rb") as a, open("t.ztex", "rb") as b:
+                self.assertEqual(a.read(), b.read(), threads)
+
+    def test_inspect(self):
+        silmap = self.inspect()["textures"][0]["silmap"]
+        self.assertEqual((silmap["cells_x"], silmap["cells_y"], silmap["filter"]), (16, 16, "continuous"))
+        self.assertEqual(silmap["cells_size"], 256)
+        self.assertEqual(silmap["minified"], [1])
+        self.assertTrue(20 < silmap["cut_cells"] < 70)
+        text = self.ztex("inspect", "s.ztex")[0].decode()
+        self.assertIn("16 x 16 cells, ", text)
+        self.assertIn("minified 1", text)
+
+    def test_extract(self):
+        self.ztex("extract", "s.ztex", "--cells", "-o", "cells.svg")
+        root = xml.etree.ElementTree.parse("cells.svg").getroot()
+        self.assertEqual(root.get("viewBox"), "0 0 256 256")
+        self.ztex("extract", "s.ztex", "-o", "samples.png")
+        self.ztex("extract", "s.ztex", "--minified", "-o", "minified.png")
+        for name, size in (("samples.png", 17), ("minified.png", 16)):
+            with Image.open(name) as picture:
+                self.assertEqual(picture.size, (size, size))
+        self.ztex("extract", "s.ztex", "--cells", status=USAGE)
+        self.ztex("extract", "s.ztex", "--cells", "--raw", "-o", "x.svg", status=USAGE)
+        _, errors = self.ztex("extract", "s.ztex", "--all", "all", status=UNSUPPORTED)
+        self.assertIn("disc", errors)
+        self.assertEqual(sorted(os.listdir("all")), ["disc.cells.svg", "disc.minified.0.png", "disc.png", "scene.json"])
+
+    def test_cells_of_another_kind_cannot_be_extracted(self):
+        save("p.png", ramps())
+        self.ztex("make", "p.png", "-o", "p.ztex")
+        self.ztex("extract", "p.ztex", "--cells", "-o", "x.svg", status=USAGE)
+        self.assertFalse(os.path.exists("x.svg"))
+
+    def test_convert(self):
+        self.ztex("convert", "s.ztex", "-o", "same.ztex")
+        with open("s.ztex", "rb") as a, open("same.ztex", "rb") as b:
+            self.assertEqual(a.read(), b.read())
+        self.ztex("convert", "s.ztex", "-o", "half.ztex", "--format", "R16G16B16A16_SFLOAT", "--levels", "all")
+        images = self.inspect("half.ztex")["images"]
+        self.assertEqual([image["format_name"] for image in images], ["R16G16B16A16_SFLOAT"] * 2)
+        self.assertEqual(len(images[0]["levels"]), 1)
+        self.ztex("diff", "--rendered", "--tolerance", "0.01", "s.ztex", "half.ztex")
+        self.ztex("convert", "s.ztex", "-o", "anew.ztex", "--effort", "9", "--levels", "rebuild")
+        self.ztex("diff", "s.ztex", "anew.ztex")
+
+    def test_diff(self):
+        self.silmap("d.svg", "--cells", "16", "--name", "disc", "--filter", "nearest", output="n.ztex")
+        out = self.ztex("diff", "s.ztex", "n.ztex", status=DIFFERENT)[0].decode()
+        self.assertIn('textures/0/silmap/filter: "continuous" | "nearest"', out)
+        write("e.svg", DISC_SVG.replace('r="31"', 'r="27"'))
+        self.silmap("e.svg", "--cells", "16", "--name", "disc", output="e.ztex")
+        out = self.ztex("diff", "s.ztex", "e.ztex", status=DIFFERENT)[0].decode()
+        self.assertRegex(out, r"texels: texture 0/cells: \d+ bytes differ")
+
+    def test_report(self):
+        self.silmap("d.svg", "--cells", "16", "--report", "r.json", output="r.ztex")
+        with open(os.path.join(HERE, "../silmap_report.schema.json"), encoding="utf-8") as file:
+            schema = json.load(file)
+        with open("r.json", encoding="utf-8") as file:
+            jsonschema.Draft202012Validator(schema).validate(json.load(file))
+        self.silmap("d.svg", "--cells", "16", "--report", "r.html", output="r.ztex")
+        with open("r.html", encoding="utf-8") as file:
+            page = file.read()
+        self.assertEqual(page.count("data:image/png;base64,"), 2)
+        self.assertIn("<svg ", page)
+
+    def test_scene(self):
+        save("p.png", ramps(64, 64))
+        scene = {"textures": [
+            {"name": "disc", "kind": "silmap", "silmap": {"file": "d.svg", "cells": 16}},
+            {"name": "glyph", "silmap": {"font": FONT, "text": "g", "cells": [10, 14], "minified": False}},
+            {"name": "wall", "wrap": "clamp", "patches": [
+                {"image": "p.png"},
+                {"texture": "disc", "offset": [0.25, 0.25], "scale": [0.5, 0.5]}]}]}
+        write("scene.json", json.dumps(scene))
+        with open(os.path.join(HERE, "../scene.schema.json"), encoding="utf-8") as file:
+            jsonschema.Draft202012Validator(json.load(file)).validate(scene)
+        self.ztex("make", "scene.json", "-o", "scene.ztex")
+        self.probe("scene.ztex")
+        found = self.inspect("scene.ztex")
+        self.assertEqual([texture["kind"] for texture in found["textures"]], ["silmap", "silmap", "zipmap"])
+        self.assertEqual(found["textures"][1]["silmap"]["minified"], [None])
+        inside = self.pixels("-t", "wall", "--view", "0.4,0.4,0.6,0.6", "--size", "64", path="scene.ztex")
+        alone = self.pixels("--view", "0.3,0.3,0.7,0.7", "--size", "64")
+        self.assertLess(numpy.abs(inside - alone).max(), 2)
+        for wrong in ({"file": "d.svg", "cells": 0}, {"file": "d.svg", "font": FONT, "text": "a"}, {"cells": 4}, {"font": FONT},
+                      {"file": "d.svg", "edges_only": True}, {"file": "d.svg", "celsl": 4}):
+            write("bad.json", json.dumps({"textures": [{"name": "x", "silmap": wrong}]}))
+            self.assertIn("/textures/0/silmap", self.ztex("make", "bad.json", "-o", "bad.ztex", status=USAGE)[1])
+
+    def test_wrong_words(self):
+        save("p.png", ramps(32, 32))
+        write("no.svg", "no drawing")
+        write("blank.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>')
+        left = sorted(os.listdir("."))
+        for status, words in ((USAGE, ["p.png", "--cells", "0"]), (USAGE, ["p.png", "--cells", "12x"]), (USAGE, ["p.png", "--cells", "64"]),
+                              (USAGE, ["d.svg", "--cells", "100000"]), (LIMIT, ["d.svg", "--memory", "1M"]),
+                              (USAGE, ["--font", FONT, "--glyph", "\U0001F9D9"]), (USAGE, ["--font", FONT]),
+                              (USAGE, ["--font", "d.svg", "--glyph", "a"]), (USAGE, ["--glyph", "a", "d.svg"]), (USAGE, []),
+                              (USAGE, ["p.png", "--mask", "alpha"]), (USAGE, ["d.svg", "--edges-only"]),
+                              (USAGE, ["p.png", "--edges", "blank.svg"]), (IO, ["no.svg"]), (IO, ["missing.svg"]),
+                              (USAGE, ["d.svg", "--format", "BC7_UNORM_BLOCK"]), (USAGE, ["d.svg", "--quality", "-3"])):
+            self.silmap(*words, output="bad.ztex", status=status)
+            self.assertEqual(sorted(os.listdir(".")), left, words)
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Drawings and fonts are a module of the command, loaded when the first one is wanted: librsvg and what it brings take longer to load
+ * than most verbs take to run. Data come as memory; nothing else is read, neither files nor a network. A drawing's texts
+ * are set in the fonts of the machine.
+ *
+ * The functions return 0, or -1 with one line in error (VECTOR_ERROR bytes), without the file's name. Handles are for one
+ * thread each.
+ */
+#ifndef ZTEX_VECTOR_MODULE_H
+#define ZTEX_VECTOR_MODULE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <author_silmap.h>
+
+#define VECTOR_ERROR 256
+#define VECTOR_SIDE 32000 /* pixels that a picture may have along a side */
+
+/* Polygons and chains in coordinates of the unit square; release: free(points), free(paths). */
+typedef struct vector_paths {
+    author_path *paths;
+    size_t count;
+    double *points; /* of all paths, one behind the other */
+} vector_paths;
+
+typedef struct vector_drawing vector_drawing; /* SVG */
+typedef struct vector_text vector_text;       /* glyphs of a font beside each other */
+
+typedef struct vector_module {
+    size_t size; /* sizeof(vector_module) */
+
+    /* edges: what is drawn counts as edges alone: no opacity, filters, clips, masks, markers and dashes. */
+    int (*drawing_open)(const void *data, size_t size, int edges, vector_drawing **out, char *error);
+    /* Its natural size; only the ratio counts. */
+    void (*drawing_size)(const vector_drawing *drawing, double *width, double *height);
+    /* All of it into width x height pixels, premultiplied and sRGB-coded, four bytes r, g, b, a each. */
+    int (*drawing_render)(const vector_drawing *drawing, uint32_t width, uint32_t height, uint8_t *rgba, char *error);
+    /* Every path that is drawn, filled or stroked: its own line, not the outline of the stroke. Curves become chains that are off by at
+     * most tolerance (of the unit square). */
+    int (*drawing_paths)(const vector_drawing *drawing, double tolerance, vector_paths *out, char *error);
+    void (*drawing_close)(vector_drawing *drawing); /* NULL is allowed */
+
+    /* Outlines of the characters, Unicode, from left to right with the font's kerning. The font must have them all. */
+    int (*text_open)(const void *font, size_t size, const uint32_t *characters, size_t count, vector_text **out,
+                     char *error);
+    /* Of the box around the ink. */
+    void (*text_size)(const vector_text *text, double *width, double *height);
+    /* Coverage by exact area, one byte a pixel, the ink's box filling the picture but for margins (shares of the picture) on each side. */
+    int (*text_render)(const vector_text *text, uint32_t width, uint32_t height, double margin_x, double margin_y,
+                       uint8_t *coverage, char *error);
+    int (*text_paths)(const vector_text *text, double margin_x, double margin_y, double tolerance, vector_paths *out,
+                      char *error);
+    void (*text_close)(vector_text *text); /* NULL is allowed */
+} vector_module;
+
+#define VECTOR_MODULE_FILE "ztex-vector.so"
+#define VECTOR_MODULE_SYMBOL "ztex_vector_module"
+
+/* vector_path.c, for the two halves of the module: paths as they come, curve by curve. A failure (no memory, too many points, a number
+ * that is not finite) is remembered. */
+typedef struct vector_pen {
+    vector_paths paths;
+    size_t path_room, point_count, point_room;
+    double tolerance;
+    double matrix[6]; /* x' = m0 x + m2 y + m4, y' = m1 x + m3 y + m5 */
+    double x, y;      /* where the pen is, before the matrix */
+    int failed;
+} vector_pen;
+
+void vector_pen_move(vector_pen *pen, double x, double y);
+void vector_pen_line(vector_pen *pen, double x, double y);
+void vector_pen_curve(vector_pen *pen, const double control[6]); /* cubic */
+void vector_pen_close(vector_pen *pen);                          /* the current path is a polygon */
+/* Hands out what was drawn; paths of one point are left out. 0, or -1 when the pen failed. */
+int vector_pen_finish(vector_pen *pen, vector_paths *out, char *error);
+
+#endif
