@@ -290,7 +290,8 @@ static void explain(const author_photos *named, const edge_list *list, uint32_t 
                  other);
         break;
     case AUTHOR_REASON_NO_HOMOGRAPHY:
-        snprintf(p->text, sizeof p->text, "%u features are found again in %.120s, but only %u of them agree on a place",
+        snprintf(p->text, sizeof p->text,
+                 "%u features are found again in %.120s, but they do not agree on a place (%u would, at most)",
                  best->matches, other, best->inliers);
         break;
     case AUTHOR_REASON_CORRELATION:

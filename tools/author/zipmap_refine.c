@@ -20,9 +20,10 @@ enum {
     UNKNOWNS,
     SMOOTH = 7, /* coefficients of what light and lens do */
     STEPS = 14,
-    LEAST_SPAN = 20,   /* texels along the shorter side of the footprint, on the coarsest level used */
-    SURROUNDINGS = 12, /* texels that the neighbourhood reaches to each side, twice */
-    BLOCKS = 6,        /* along each side, of the residual */
+    LEAST_SPAN = 20, /* texels along the shorter side of the footprint, on the coarsest level used */
+    LEAST_REACH = 3, /* of the surroundings, in texels to each side, twice; */
+    MOST_REACH = 12, /* a tenth of the footprint's shorter side in between */
+    BLOCKS = 6,      /* along each side, of the residual */
     MOST_PASSES = 24,
     SHARPENINGS = 2, /* times that sharpness is matched */
     HISTOGRAM = 2048 /* bins of the median of residuals */
@@ -30,6 +31,7 @@ enum {
 
 static const double HISTOGRAM_REACH = 0.25; /* of brightness; larger residuals fall into the last bin */
 static const double MOST_TRAVEL = 0.35;     /* of the footprint's width, in one step */
+static const double MOST_WORSE = 1.1;       /* by what factor the noise may grow on the way */
 static const double MOST_DRIFT = 0.1;       /* of the fine picture's size, that a corner ends from where it began */
 static const float DARK = 0.03F;            /* brightness below which logarithms level off */
 static const double PASSES_PER_BLUR = 4; /* a pass adds an eighth of a squared texel of variance, a blur of 1 a half */
@@ -38,6 +40,7 @@ static const double TOLERANCE = 3;       /* residuals of so many standard deviat
 
 typedef struct model {
     view v;
+    uint32_t reach; /* of the surroundings */
     double contrast, blur;
     double noise;              /* standard deviation of the residual; 0: all texels count the same */
     luma_level warped;         /* the fine picture as the coarse one would show it */
@@ -54,7 +57,6 @@ typedef struct texel {
 
 typedef struct sums {
     double normal[UNKNOWNS * UNKNOWNS], right[UNKNOWNS];
-    double squares, weights;
     size_t count;
     uint32_t histogram[HISTOGRAM];
 } sums;
@@ -83,6 +85,8 @@ static author_result model_open(author_run *run, const photo *coarse, const phot
                                 uint32_t level, const plane *matrix, model *out) {
     *out = (model){.contrast = 1};
     author_result result = view_open(run, &coarse->light, &fine->light, weights, NAN, level, matrix, &out->v);
+    uint32_t shorter = out->v.coarse.width < out->v.coarse.height ? out->v.coarse.width : out->v.coarse.height;
+    out->reach = shorter / 10 < LEAST_REACH ? LEAST_REACH : shorter / 10 < MOST_REACH ? shorter / 10 : MOST_REACH;
     if (result == AUTHOR_OK)
         result = luma_level_create(run, out->v.coarse.width, out->v.coarse.height, &out->warped);
     if (result == AUTHOR_OK)
@@ -203,8 +207,6 @@ static void add_texel(sums *s, const model *m, const texel *t) {
     }
     double bin = fabs(t->residual) * (HISTOGRAM / HISTOGRAM_REACH);
     s->histogram[bin < HISTOGRAM - 1 ? (size_t)bin : HISTOGRAM - 1]++;
-    s->squares += t->weight * t->residual * t->residual;
-    s->weights += t->weight;
     s->count++;
 }
 
@@ -291,27 +293,52 @@ static author_result fit_light(author_run *run, model *m, const plane *matrix, u
     return AUTHOR_OK;
 }
 
-/* Lets the first `moving` unknowns of the motion move until they rest; *rests says whether they do. */
+typedef struct state {
+    plane matrix;
+    double contrast, blur, noise;
+} state;
+
+/* One step; *far is how far it went, in texels. False where the texels do not say. */
+static bool take_step(model *m, plane *matrix, int moving, const sums *s, double *far) {
+    double step[UNKNOWNS];
+    if (!solve(s, moving, step))
+        return false;
+    *far = travel(&m->v, step);
+    if (!(*far < MOST_TRAVEL * m->v.coarse.width))
+        return false;
+    move(&m->v, matrix, step);
+    m->contrast += step[CONTRAST];
+    m->blur += step[BLUR];
+    return true;
+}
+
+/* Lets the first `moving` unknowns of the motion move until they rest, or until that makes things worse: then the best that was
+ * there stays. *rests is false where they cannot even begin. */
 static author_result settle(author_run *run, model *m, plane *matrix, int moving, double rest, sums *s, bool *rests) {
+    state best = {.noise = HUGE_VAL};
     author_result result = AUTHOR_OK;
-    *rests = true;
-    for (int i = 0; i < STEPS && result == AUTHOR_OK; i++) {
-        double step[UNKNOWNS];
+    *rests = false;
+    for (int i = 0; i <= STEPS && result == AUTHOR_OK; i++) {
+        double far;
         add_all(m, s);
-        m->noise = i > 0 ? noise_of(s) : m->noise;
-        *rests = solve(s, moving, step);
-        double far = *rests ? travel(&m->v, step) : 0;
-        *rests = *rests && far < MOST_TRAVEL * m->v.coarse.width;
-        if (!*rests)
+        m->noise = noise_of(s);
+        if (m->noise < best.noise)
+            best = (state){*matrix, m->contrast, m->blur, m->noise};
+        if (m->noise > best.noise * MOST_WORSE)
             break;
-        move(&m->v, matrix, step);
-        m->contrast += step[CONTRAST];
-        m->blur += step[BLUR];
-        result = look(run, m, matrix, SURROUNDINGS);
+        add_all(m, s);
+        if (i == STEPS || !take_step(m, matrix, moving, s, &far))
+            break;
+        *rests = true;
+        result = look(run, m, matrix, m->reach);
         if (far < rest)
-            break;
+            return result;
     }
-    return result;
+    *matrix = best.matrix;
+    m->contrast = best.contrast;
+    m->blur = best.blur;
+    m->noise = best.noise;
+    return result == AUTHOR_OK ? look(run, m, matrix, m->reach) : result;
 }
 
 /* ---- how good it is --------------------------------------------------------------------------------------- */
@@ -434,7 +461,7 @@ static author_result match_sharpness(author_run *run, model *m, const plane *mat
         return AUTHOR_OK;
     luma_soften(&m->v.fine, passes < MOST_PASSES ? (unsigned)passes : MOST_PASSES);
     m->blur = 0;
-    return look(run, m, matrix, SURROUNDINGS);
+    return look(run, m, matrix, m->reach);
 }
 
 /* Moves by steps, sharpness and steps again. */
@@ -456,7 +483,7 @@ static author_result refine_level(author_run *run, const photo *coarse, const ph
     author_result result = s ? model_open(run, coarse, fine, weights, level, &out->matrix, &m) : AUTHOR_NO_MEMORY;
     out->converged = false;
     if (result == AUTHOR_OK)
-        result = fit_light(run, &m, &out->matrix, SURROUNDINGS, s, &out->converged);
+        result = fit_light(run, &m, &out->matrix, m.reach, s, &out->converged);
     if (out->converged && first && result == AUTHOR_OK)
         result = settle(run, &m, &out->matrix, 6, 0.05, s, &out->converged);
     if (out->converged && result == AUTHOR_OK)
