@@ -8,7 +8,7 @@ typedef struct parts {
 } parts;
 
 static uint32_t get_bit(const tile *t, uint64_t at) {
-    return at >> 3 < t->size ? t->stored[at >> 3] >> (at & 7) & 1u : 1;
+    return at >> 3 < t->size ? (uint32_t)t->stored[at >> 3] >> (at & 7) & 1u : 1;
 }
 
 /* The end of a table that begins at bit at, or behind the stored bytes. */
