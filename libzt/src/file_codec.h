@@ -106,4 +106,23 @@ size_t zt__plane_bound(uint32_t element_size, uint32_t count);
 zt_result zt__encode_plane(zt__encoder *encoder, uint32_t element_size, uint32_t count, const void *src, void *scratch,
                            uint8_t *dst, size_t dst_size, size_t *used, zt_diag *diag);
 
+/* A chunk that is a header and planes, on its way. */
+typedef struct zt__plane_writer {
+    zt__encoder *encoder;
+    zt_diag *diag;
+    uint8_t *out; /* the header is the caller's to write */
+    uint64_t capacity;
+    size_t used;
+    void *scratch;
+    uint64_t scratch_size;
+} zt__plane_writer;
+
+/* capacity: of header and planes; largest: bytes of the largest plane. Whatever begins is ended. */
+zt_result zt__planes_begin(zt__plane_writer *w, zt__encoder *encoder, size_t header_size, uint64_t capacity,
+                           uint64_t largest, zt_diag *diag);
+zt_result zt__planes_put(zt__plane_writer *w, uint32_t element_size, uint32_t count, const void *src);
+/* Hands the chunk over, or frees it when result is an error; returns result. */
+zt_result zt__planes_end(zt__plane_writer *w, zt_result result, uint8_t **out, uint64_t *out_capacity,
+                         size_t *out_size);
+
 #endif

@@ -362,3 +362,35 @@ zt_result zt__encode_plane(zt__encoder *encoder, uint32_t element_size, uint32_t
     *used = ZT__PLANE_HEADER_SIZE + h.stored_size;
     return ZT_OK;
 }
+
+zt_result zt__planes_begin(zt__plane_writer *w, zt__encoder *encoder, size_t header_size, uint64_t capacity,
+                           uint64_t largest, zt_diag *diag) {
+    void *block;
+    *w = (zt__plane_writer){.encoder = encoder, .diag = diag, .used = header_size};
+    ZT_TRY(zt__alloc_raw(encoder->memory, capacity, 1, diag, &block));
+    w->out = block;
+    w->capacity = capacity;
+    ZT_TRY(zt__alloc_raw(encoder->memory, largest, 2, diag, &w->scratch));
+    w->scratch_size = largest;
+    return ZT_OK;
+}
+
+zt_result zt__planes_put(zt__plane_writer *w, uint32_t element_size, uint32_t count, const void *src) {
+    size_t used = 0;
+    ZT_TRY(zt__encode_plane(w->encoder, element_size, count, src, w->scratch, w->out + w->used,
+                            (size_t)w->capacity - w->used, &used, w->diag));
+    w->used += used;
+    return ZT_OK;
+}
+
+zt_result zt__planes_end(zt__plane_writer *w, zt_result result, uint8_t **out, uint64_t *out_capacity,
+                         size_t *out_size) {
+    bool whole = result == ZT_OK;
+    zt__free(w->encoder->memory, w->scratch, w->scratch_size, 2);
+    if (!whole)
+        zt__free(w->encoder->memory, w->out, w->capacity, 1);
+    *out = whole ? w->out : NULL;
+    *out_capacity = whole ? w->capacity : 0;
+    *out_size = whole ? w->used : 0;
+    return result;
+}

@@ -252,63 +252,29 @@ zt_result zt__decode_silmap(zt__sink *sink, zt__memory *memory, zt__decoder *dec
 
 /* ---- encoding ------------------------------------------------------------------------------------- */
 
-typedef struct coding {
-    zt__encoder *encoder;
-    void *scratch;
-    uint8_t *out;
-    uint64_t capacity;
-    size_t used;
-    zt_diag *diag;
-} coding;
-
-static zt_result write_plane(coding *c, uint32_t element_size, uint32_t count, const void *src) {
-    size_t used = 0;
-    ZT_TRY(zt__encode_plane(c->encoder, element_size, count, src, c->scratch, c->out + c->used,
-                            (size_t)c->capacity - c->used, &used, c->diag));
-    c->used += used;
-    return ZT_OK;
-}
-
-static zt_result write_planes(coding *c, const zt__silmap *s) {
+static zt_result write_planes(zt__plane_writer *w, const zt__silmap *s) {
     zt__silmap_header h = s->header;
-    zt__coder coder = zt__writing(c->out);
+    zt__coder coder = zt__writing(w->out);
     zt__code_u32(&coder, &h.cells_x);
     zt__code_u32(&coder, &h.cells_y);
     zt__code_u32(&coder, &h.cell_layers);
     zt__code_u32(&coder, &h.layer_count);
     *coder.out = h.filter;
     memset(coder.out + 1, 0, RESERVED);
-    c->used = HEADER_SIZE;
-    ZT_TRY(write_plane(c, 1, (uint32_t)s->cell_count, s->cells));
-    ZT_TRY(write_plane(c, 4, h.layer_count, s->samples));
-    return write_plane(c, 4, h.layer_count, s->minified);
+    ZT_TRY(zt__planes_put(w, 1, (uint32_t)s->cell_count, s->cells));
+    ZT_TRY(zt__planes_put(w, 4, h.layer_count, s->samples));
+    return zt__planes_put(w, 4, h.layer_count, s->minified);
 }
 
 zt_result zt__encode_silmap(zt__encoder *encoder, const zt__silmap *silmap, zt_diag *diag, uint8_t **out,
                             uint64_t *out_capacity, size_t *out_size) {
-    coding c = {.encoder = encoder, .diag = diag};
+    zt__plane_writer w;
     uint64_t layer_bytes = (uint64_t)silmap->header.layer_count * 4;
-    uint64_t most = silmap->cell_count > layer_bytes ? silmap->cell_count : layer_bytes;
-    void *block = NULL;
-    *out = NULL;
-    *out_capacity = 0;
-    *out_size = 0;
-    c.capacity = HEADER_SIZE + (uint64_t)zt__plane_bound(1, (uint32_t)silmap->cell_count) +
-                 2 * (uint64_t)zt__plane_bound(4, silmap->header.layer_count);
-    zt_result result = zt__alloc_raw(encoder->memory, c.capacity, 1, diag, &block);
+    uint64_t largest = silmap->cell_count > layer_bytes ? silmap->cell_count : layer_bytes;
+    uint64_t capacity = HEADER_SIZE + (uint64_t)zt__plane_bound(1, (uint32_t)silmap->cell_count) +
+                        2 * (uint64_t)zt__plane_bound(4, silmap->header.layer_count);
+    zt_result result = zt__planes_begin(&w, encoder, HEADER_SIZE, capacity, largest, diag);
     if (result == ZT_OK)
-        result = zt__alloc_raw(encoder->memory, most, 2, diag, &c.scratch);
-    if (result == ZT_OK) {
-        c.out = block;
-        result = write_planes(&c, silmap);
-    }
-    zt__free(encoder->memory, c.scratch, most, 2);
-    if (result != ZT_OK) {
-        zt__free(encoder->memory, block, c.capacity, 1);
-        return result;
-    }
-    *out = block;
-    *out_capacity = c.capacity;
-    *out_size = c.used;
-    return ZT_OK;
+        result = write_planes(&w, silmap);
+    return zt__planes_end(&w, result, out, out_capacity, out_size);
 }

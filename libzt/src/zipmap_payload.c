@@ -325,39 +325,20 @@ zt_result zt__decode_zipmap(zt__sink *sink, zt__memory *memory, zt__decoder *dec
 
 /* ---- encoding ------------------------------------------------------------------------------------- */
 
-typedef struct coding {
-    zt__encoder *encoder;
-    uint32_t count;
-    double *column;
-    void *scratch;
-    uint8_t *out;
-    uint64_t capacity;
-    size_t used;
-    zt_diag *diag;
-} coding;
-
-static zt_result write_plane(coding *c, uint32_t element_size, const void *src) {
-    size_t used = 0;
-    ZT_TRY(zt__encode_plane(c->encoder, element_size, c->count, src, c->scratch, c->out + c->used,
-                            (size_t)c->capacity - c->used, &used, c->diag));
-    c->used += used;
-    return ZT_OK;
-}
-
-static zt_result write_planes(coding *c, const zt__zipmap *z) {
-    zt__store32(c->out, z->patch_count);
-    zt__store32(c->out + 4, z->layer_count);
-    zt__store64(c->out + 8, 0);
-    c->used = HEADER_SIZE;
-    ZT_TRY(write_plane(c, 4, z->parents));
-    ZT_TRY(write_plane(c, 1, z->source_kinds));
+static zt_result write_planes(zt__plane_writer *w, const zt__zipmap *z, double *column) {
+    uint32_t count = z->patch_count;
+    zt__store32(w->out, count);
+    zt__store32(w->out + 4, z->layer_count);
+    zt__store64(w->out + 8, 0);
+    ZT_TRY(zt__planes_put(w, 4, count, z->parents));
+    ZT_TRY(zt__planes_put(w, 1, count, z->source_kinds));
     for (uint32_t l = 0; l < z->layer_count; l++)
-        ZT_TRY(write_plane(c, 4, z->sources + (size_t)l * z->patch_count));
-    ZT_TRY(write_plane(c, 4, z->masks));
+        ZT_TRY(zt__planes_put(w, 4, count, z->sources + (size_t)l * count));
+    ZT_TRY(zt__planes_put(w, 4, count, z->masks));
     for (int k = 0; k < MATRIX_ENTRIES; k++) {
-        for (uint32_t i = 0; i < z->patch_count; i++)
-            memcpy(&c->column[i], &z->matrices[i][k], sizeof(double));
-        ZT_TRY(write_plane(c, 8, c->column));
+        for (uint32_t i = 0; i < count; i++)
+            memcpy(&column[i], &z->matrices[i][k], sizeof(double));
+        ZT_TRY(zt__planes_put(w, 8, count, column));
     }
     return ZT_OK;
 }
@@ -371,31 +352,14 @@ static uint64_t capacity_of(const zt__zipmap *z) {
 
 zt_result zt__encode_zipmap(zt__encoder *encoder, const zt__zipmap *zipmap, zt_diag *diag, uint8_t **out,
                             uint64_t *out_capacity, size_t *out_size) {
-    coding c = {.encoder = encoder, .count = zipmap->patch_count, .diag = diag};
+    zt__plane_writer w;
     void *column = NULL;
-    void *block = NULL;
-    *out = NULL;
-    *out_capacity = 0;
-    *out_size = 0;
-    c.capacity = capacity_of(zipmap);
-    zt_result result = zt__alloc_raw(encoder->memory, c.capacity, 1, diag, &block);
+    uint64_t largest = (uint64_t)zipmap->patch_count * sizeof(double);
+    zt_result result = zt__planes_begin(&w, encoder, HEADER_SIZE, capacity_of(zipmap), largest, diag);
     if (result == ZT_OK)
-        result = zt__alloc_raw(encoder->memory, c.count, sizeof(double), diag, &column);
+        result = zt__alloc_raw(encoder->memory, zipmap->patch_count, sizeof(double), diag, &column);
     if (result == ZT_OK)
-        result = zt__alloc_raw(encoder->memory, c.count, 2 * sizeof(double), diag, &c.scratch);
-    if (result == ZT_OK) {
-        c.out = block;
-        c.column = column;
-        result = write_planes(&c, zipmap);
-    }
-    zt__free(encoder->memory, c.scratch, c.count, 2 * sizeof(double));
-    zt__free(encoder->memory, column, c.count, sizeof(double));
-    if (result != ZT_OK) {
-        zt__free(encoder->memory, block, c.capacity, 1);
-        return result;
-    }
-    *out = block;
-    *out_capacity = c.capacity;
-    *out_size = c.used;
-    return ZT_OK;
+        result = write_planes(&w, zipmap, column);
+    zt__free(encoder->memory, column, zipmap->patch_count, sizeof(double));
+    return zt__planes_end(&w, result, out, out_capacity, out_size);
 }

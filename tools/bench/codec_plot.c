@@ -55,7 +55,7 @@ void codec_write_plot(const codec_report *report, FILE *out) {
         int row, above, right;
     } points[] = {{CODEC_ZSTD_1, 1, 1}, {CODEC_ZSTD_9, 1, 1},  {CODEC_ZSTD_19, 0, 1}, {CODEC_PNG, 1, 1},
                   {CODEC_SPNG, 0, 0},   {CODEC_QOI, 1, 0},     {CODEC_WEBP, 0, 0},    {CODEC_JXL_3, 1, 1},
-                  {CODEC_JXL_7, 0, 1},  {CODEC_DEFAULT, 1, 1}, {CODEC_CHOSEN, 0, 1}};
+                  {CODEC_JXL_7, 0, 1},  {CODEC_DEFAULT, 1, 1}, {CODEC_CHOSEN, 0, 0}};
     fprintf(out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" font-family=\"sans-serif\" "
             "font-size=\"12\">\n",

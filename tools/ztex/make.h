@@ -276,6 +276,9 @@ int make_treat_patch(make_treatment *t, uint32_t index, make_placed *all);
 int make_treat_finish(make_treatment *t, make_placed *all, zt_patch_desc *patches);
 void make_treat_end(make_treatment *t); /* NULL is allowed */
 
+/* store.c: a texture for the writer; layers is its memory. images: one for each layer, or NULL where a payload names them. */
+zt_texture_desc make_describe(const make_texture *texture, const uint32_t *images, zt_layer_desc layers[MAKE_LAYERS]);
+/* Everything into one file. */
 int make_store_scene(cmd_args *args, const make_scene *scene, const char *output, const zt_writer_options *options,
                      cmd_progress *progress);
 

@@ -175,14 +175,7 @@ static int put_texture(const storing *s, const author_silmap_result *cells) {
     const make_texture *texture = s->texture;
     zt_layer_desc layers[MAKE_LAYERS];
     zt_diag diag = {.offset = UINT64_MAX};
-    for (uint32_t i = 0; i < texture->layer_count; i++)
-        layers[i] = (zt_layer_desc){texture->semantics[i], ZT_NONE};
-    zt_texture_desc desc = {.name = texture->name,
-                            .wrap_u = (zt_wrap)texture->wrap[0],
-                            .wrap_v = (zt_wrap)texture->wrap[1],
-                            .wrap_w = (zt_wrap)texture->wrap[2],
-                            .layers = layers,
-                            .layer_count = texture->layer_count};
+    zt_texture_desc desc = make_describe(texture, NULL, layers);
     zt_silmap_desc silmap = {.cells_x = cells->cells_x,
                              .cells_y = cells->cells_y,
                              .filter = texture->silmap->filter,

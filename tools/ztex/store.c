@@ -44,8 +44,20 @@ static int check_layer(const make_store *store, const make_image *image, const m
                          (unsigned)first->depth, (unsigned)first->layers);
 }
 
+zt_texture_desc make_describe(const make_texture *texture, const uint32_t *images, zt_layer_desc layers[MAKE_LAYERS]) {
+    for (uint32_t i = 0; i < texture->layer_count; i++)
+        layers[i] = (zt_layer_desc){texture->semantics[i], images ? images[i] : ZT_NONE};
+    return (zt_texture_desc){.name = texture->name,
+                             .wrap_u = (zt_wrap)texture->wrap[0],
+                             .wrap_v = (zt_wrap)texture->wrap[1],
+                             .wrap_w = (zt_wrap)texture->wrap[2],
+                             .layers = layers,
+                             .layer_count = texture->layer_count};
+}
+
 static int store_image_texture(make_store *store, const make_texture *texture, texture_size *size) {
     zt_layer_desc layers[MAKE_LAYERS];
+    uint32_t images[MAKE_LAYERS];
     make_stored first = {0}, stored;
     for (uint32_t i = 0; i < texture->layer_count; i++) {
         make_use use = {.semantic = texture->semantics[i], .role = ROLE_PLAIN};
@@ -57,15 +69,10 @@ static int store_image_texture(make_store *store, const make_texture *texture, t
             status = check_layer(store, texture->images[i], &stored, &first);
         if (status != CMD_OK)
             return status;
-        layers[i] = (zt_layer_desc){texture->semantics[i], stored.image};
+        images[i] = stored.image;
     }
     *size = (texture_size){first.width, first.height};
-    zt_texture_desc desc = {.name = texture->name,
-                            .wrap_u = (zt_wrap)texture->wrap[0],
-                            .wrap_v = (zt_wrap)texture->wrap[1],
-                            .wrap_w = (zt_wrap)texture->wrap[2],
-                            .layers = layers,
-                            .layer_count = texture->layer_count};
+    zt_texture_desc desc = make_describe(texture, images, layers);
     zt_diag diag = {.offset = UINT64_MAX};
     zt_result result = zt_writer_add_texture(store->writer, &desc, &diag, NULL);
     return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
@@ -188,14 +195,7 @@ static int place_patch(make_store *store, const make_texture *texture, uint32_t 
 
 static int add_zipmap(make_store *store, const make_texture *texture, const zt_patch_desc *patches) {
     zt_layer_desc layers[MAKE_LAYERS];
-    for (uint32_t i = 0; i < texture->layer_count; i++)
-        layers[i] = (zt_layer_desc){texture->semantics[i], ZT_NONE};
-    zt_texture_desc desc = {.name = texture->name,
-                            .wrap_u = (zt_wrap)texture->wrap[0],
-                            .wrap_v = (zt_wrap)texture->wrap[1],
-                            .wrap_w = (zt_wrap)texture->wrap[2],
-                            .layers = layers,
-                            .layer_count = texture->layer_count};
+    zt_texture_desc desc = make_describe(texture, NULL, layers);
     zt_diag diag = {.offset = UINT64_MAX};
     zt_result result = zt_writer_add_zipmap(store->writer, &desc, patches, texture->patch_count, &diag, NULL);
     return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
