@@ -23,7 +23,7 @@ UNCUT = cell()
 
 
 def cut_arms(cells: list, w: int, h: int, wrap: tuple, i: int, j: int) -> str:
-    """The cut arms of a cell of one layer, of "NESW"."""
+    """The arms of a cell of one layer that are stored as cut, of "NESW"."""
     def byte(x, y):
         if x == w and wrap[0] != REPEAT or y == h and wrap[1] != REPEAT:
             return UNCUT

@@ -3,8 +3,8 @@
 
 import struct
 
-from silmake import (BORDER, CLAMP, CONTINUOUS, MIRROR, NEAREST, REPEAT, SEN2004, UNCUT, Silmap, cell,
-                     cut_arms, lawful, scattered)
+from silmake import (BORDER, CLAMP, CONTINUOUS, MIRROR, NEAREST, NORTH, REPEAT, SEN2004, UNCUT, WEST,
+                     Silmap, cell, cut_arms, lawful, scattered)
 from valid import META, PLACED, add, decal, mask, place, pred, root, zipmap
 from ztexmake import (FORMATS, NONE, R8, RGB8, RGBA8, RGBA8_SRGB, Chunk, File, Image, Patch, Plane,
                       Texture, Zipmap, flat, noise, stored_zstd)
@@ -122,6 +122,63 @@ for u, name_u in enumerate(WRAP_NAMES):
         add("silmap_wrap_%s_%s" % (name_u, name_v), "Wrap modes %s in u and %s in v: %d x %d samples "
             "for 5 x 4 cells." % ((name_u, name_v) + corners(5, 4, wrap)),
             silmap(5, 4, wrap, cells=scattered(5, 4, wrap, 7 + 4 * u + v), minified=True))
+
+# ---- borders -------------------------------------------------------------------------------------
+
+
+def bordered(w: int, h: int, wrap: tuple, arms: list, seed: int, kind: int) -> File:
+    """Frames whose cells differ in the arms that are cut: frame k has `arms` (cell, bit) number n
+    cut if bit n of k is set, an entry being one arm or several. Each frame has points of its own."""
+    frames = 1 << len(arms)
+    cells = []
+    for k in range(frames):
+        layer = [v & 0x3F for v in noise(w * h, seed + k)]
+        for n, group in enumerate(arms):
+            for at, bit in group if k >> n & 1 else ():
+                layer[at] |= bit
+        cells += lawful(layer, w, h, wrap)
+    return silmap(w, h, wrap, cells=cells, cell_layers=frames, filter=kind, minified=[1], images=[
+        sample_image(w, h, wrap, RGBA8, layers=frames, layer_kind=2, seed=seed),
+        small_image(w, h, RGBA8, layers=frames, layer_kind=2)])
+
+
+def inner_arms(w: int, h: int, wrap: tuple = CLAMPED) -> list:
+    """Every arm that does not leave the texture, by itself."""
+    return [[(j * w + i, bit)] for j in range(h) for i in range(w)
+            for bit, first, mode in ((WEST, i == 0, wrap[0]), (NORTH, j == 0, wrap[1]))
+            if not first or mode == REPEAT]
+
+
+# 3 x 3: three groups, one for each inner arm of the four cells in the middle of a side.
+SIDES = [[(1, WEST), (3, NORTH), (5, NORTH), (7, WEST)],
+         [(2, WEST), (6, NORTH), (8, NORTH), (8, WEST)],
+         [(4, NORTH), (4, WEST), (5, WEST), (7, NORTH)]]
+for kind, name in enumerate(FILTER_NAMES):
+    add("silmap_border_sides_" + name, "3 x 3 cells, clamp; the cells in the middle of the sides have "
+        "none to three of their inner arms cut, frame by frame; filter %s." % name,
+        bordered(3, 3, CLAMPED, SIDES, 300, kind))
+    add("silmap_border_corners_" + name, "2 x 2 cells, clamp, each a corner: a frame for each way to "
+        "cut the four inner arms; filter %s." % name,
+        bordered(2, 2, CLAMPED, inner_arms(2, 2), 320, kind))
+    add("silmap_border_1x4_" + name, "One column, clamp: a frame for each way to cut the three inner "
+        "arms; filter %s." % name, bordered(1, 4, CLAMPED, inner_arms(1, 4), 340, kind))
+    add("silmap_border_4x1_" + name, "One row, clamp: a frame for each way to cut the three inner "
+        "arms; filter %s." % name, bordered(4, 1, CLAMPED, inner_arms(4, 1), 360, kind))
+for mode, name in ((MIRROR, "mirror"), (BORDER, "border")):
+    add("silmap_border_sides_" + name, "3 x 3 cells, %s; the cells in the middle of the sides as in "
+        "silmap_border_sides_continuous." % name,
+        bordered(3, 3, (mode, mode, mode), SIDES, 380, CONTINUOUS))
+    add("silmap_border_corners_" + name, "2 x 2 cells, %s in u, clamp in v." % name,
+        bordered(2, 2, (mode, CLAMP, CLAMP), inner_arms(2, 2), 400, SEN2004))
+ACROSS, ALONG = (REPEAT, CLAMP, CLAMP), (CLAMP, REPEAT, CLAMP)
+for name, w, h, wrap in (("2x2_u", 2, 2, ACROSS), ("2x2_v", 2, 2, ALONG), ("1x3_u", 1, 3, ACROSS),
+                         ("3x1_v", 3, 1, ALONG), ("3x1_u", 3, 1, ACROSS), ("1x3_v", 1, 3, ALONG),
+                         ("1x1_u", 1, 1, ACROSS), ("1x1_v", 1, 1, ALONG)):
+    for kind in (CONTINUOUS, SEN2004):
+        add("silmap_border_%s_%s" % (name, FILTER_NAMES[kind]), "%d x %d cells that repeat in %s only: "
+            "every way to cut the arms that stay inside; filter %s."
+            % (w, h, name[-1], FILTER_NAMES[kind]),
+            bordered(w, h, wrap, inner_arms(w, h, wrap), 420 + w + 8 * h, kind))
 
 # ---- minified images -----------------------------------------------------------------------------
 

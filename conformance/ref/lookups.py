@@ -16,6 +16,7 @@ import zlib
 sys.dont_write_bytecode = True
 
 import zsample
+import zsilmap
 import ztexref
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -100,6 +101,27 @@ def exact_places(grid) -> list:
     return out
 
 
+def border_places(name: str, z, texture) -> list:
+    """In each cell at a border, in every layer of cells."""
+    random, grid = Random(name), texture.silmap.grid
+    out = []
+    for layer in range(grid.layers):
+        for k in range(grid.width * grid.height):
+            i, j = k % grid.width, k // grid.width
+            if grid.layers > 8 and (k + layer) % 2 or all(grid.neighbour(arm, i, j, layer) is not None for arm in zsilmap.TOWARDS):
+                continue
+            q = None
+            while q is None or jumps(z, texture, q):
+                q = zsample.Query((i + random.between(0, 1)) / grid.width,
+                                  (j + random.between(0, 1)) / grid.height, frame=layer)
+                scale = (0.0, 0.25, 0.5, 0.75, 1.0)[random.below(5)]
+                unit = 2.0 ** round(math.log2(scale / max(grid.width, grid.height))) if scale else 0.0
+                q.du, q.dv = ((random.step(unit), random.step(unit)) for _ in range(2))
+                q.u, q.v = (round(x * 65536) / 65536 for x in (q.u, q.v))
+            out.append(q)
+    return out
+
+
 def entries() -> list:
     with open(os.path.join(ROOT, "valid", "manifest.json"), encoding="utf-8") as f:
         names = [e["file"][:-5] for e in json.load(f)]
@@ -114,6 +136,8 @@ def entries() -> list:
                 continue
             count = 14 if name.startswith(MANY) or name in ZIPMAPS else 6
             queries = places("%s %d" % (name, index), z, texture, count)
+            if name.startswith("silmap_border_"):
+                queries += border_places("border " + name, z, texture)
             if name.startswith("silmap_patterns_"):
                 queries += exact_places(texture.silmap.grid)
             out += [{"file": name + ".ztex", "texture": index, "frame": q.frame, "filter": q.filter,

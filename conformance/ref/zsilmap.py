@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 
 NORTH_BIT, WEST_BIT, UNCUT = 0x80, 0x40, 0x24
+TOWARDS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}   # the neighbour of an arm
+OPPOSITE = {"N": "S", "E": "W", "S": "N", "W": "E"}
 CONTINUOUS, SEN2004, NEAREST = 0, 1, 2
 CORNERS = ((0, 0), (1, 0), (0, 1), (1, 1))
 ARMS = {"N": (None, 0), "S": (None, 1), "W": (0, None), "E": (1, None)}    # the side of the cell
@@ -34,27 +36,44 @@ class Grid:
     repeat_v: bool
 
     def byte(self, i: int, j: int, layer: int) -> int:
-        """The byte of a cell or of one that is missing."""
+        """The byte of a cell, None where there is none."""
         if self.repeat_u:
             i %= self.width
         if self.repeat_v:
             j %= self.height
         if not (0 <= i < self.width and 0 <= j < self.height):
-            return UNCUT
+            return None
         return self.cells[(layer * self.height + j) * self.width + i]
 
+    def neighbour(self, arm: str, i: int, j: int, layer: int) -> int:
+        return self.byte(i + TOWARDS[arm][0], j + TOWARDS[arm][1], layer)
+
     def cut(self, i: int, j: int, layer: int) -> frozenset:
-        own, east, south = (self.byte(i + di, j + dj, layer) for di, dj in ((0, 0), (1, 0), (0, 1)))
-        bits = {"N": own & NORTH_BIT, "W": own & WEST_BIT, "E": east & WEST_BIT,
-                "S": south & NORTH_BIT}
-        return frozenset(arm for arm, bit in bits.items() if bit)
+        own = self.byte(i, j, layer)
+        bits = {"N": own & NORTH_BIT, "W": own & WEST_BIT,
+                "E": (self.neighbour("E", i, j, layer) or 0) & WEST_BIT,
+                "S": (self.neighbour("S", i, j, layer) or 0) & NORTH_BIT}
+        leave = [arm for arm in TOWARDS if self.neighbour(arm, i, j, layer) is None]
+        inner = [arm for arm in TOWARDS if bits[arm] and arm not in leave]
+        if len(inner) == 1 and leave:
+            runs_on = OPPOSITE[inner[0]]
+            inner.append(runs_on if runs_on in leave else leave[0])
+        return frozenset(inner)
 
     def cell(self, i: int, j: int, layer: int) -> Cell:
-        def point(di, dj):
-            value = self.byte(i + di, j + dj, layer)
-            return di + ((value & 7) + 0.5) / 8, dj + ((value >> 3 & 7) + 0.5) / 8
-        return Cell(self.cut(i, j, layer), point(0, 0), point(0, -1), point(0, 1), point(-1, 0),
-                    point(1, 0))
+        def point(value):
+            return ((value & 7) + 0.5) / 8, ((value >> 3 & 7) + 0.5) / 8
+
+        own = self.byte(i, j, layer)
+        points = {}
+        for arm, (di, dj) in TOWARDS.items():
+            value = self.neighbour(arm, i, j, layer)
+            if value is None:                              # its own point, mirrored in the side
+                value = own ^ (0x07 if arm in "WE" else 0x38)
+            x, y = point(value)
+            points[arm] = x + di, y + dj
+        return Cell(self.cut(i, j, layer), point(own), points["N"], points["S"], points["W"],
+                    points["E"])
 
     def has_costly_points(self) -> bool:
         """[R8207]"""

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "silmap_filter.h"
-
+/* The geometry and the filters of one silmap cell (spec/silmap.md sections 3 to 5 and 7). */
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "zt/zt_write.h"
@@ -18,6 +18,13 @@ static double point_y(uint8_t cell) {
     return ((cell & ZT_SILMAP_Y) / 8 + 0.5) / 8;
 }
 
+static unsigned arms_cut(const zt_silmap_cell *c) {
+    return (c->own & ZT_SILMAP_NORTH ? (unsigned)ZT_SILMAP_CUT_NORTH : 0u) |
+           (c->own & ZT_SILMAP_WEST ? (unsigned)ZT_SILMAP_CUT_WEST : 0u) |
+           (c->east & ZT_SILMAP_WEST ? (unsigned)ZT_SILMAP_CUT_EAST : 0u) |
+           (c->south & ZT_SILMAP_NORTH ? (unsigned)ZT_SILMAP_CUT_SOUTH : 0u);
+}
+
 void zt_silmap_shape_of(const zt_silmap_cell *cell, zt_silmap_shape *out) {
     out->px = point_x(cell->own);
     out->py = point_y(cell->own);
@@ -29,26 +36,52 @@ void zt_silmap_shape_of(const zt_silmap_cell *cell, zt_silmap_shape *out) {
     out->ey = point_y(cell->east);
     out->sx = point_x(cell->south);
     out->sy = point_y(cell->south) + 1;
-    out->cut = (cell->own & ZT_SILMAP_NORTH ? (unsigned)ZT_SILMAP_CUT_NORTH : 0u) |
-               (cell->own & ZT_SILMAP_WEST ? (unsigned)ZT_SILMAP_CUT_WEST : 0u) |
-               (cell->east & ZT_SILMAP_WEST ? (unsigned)ZT_SILMAP_CUT_EAST : 0u) |
-               (cell->south & ZT_SILMAP_NORTH ? (unsigned)ZT_SILMAP_CUT_SOUTH : 0u);
+    out->cut = arms_cut(cell);
 }
 
-zt_silmap_cell zt__silmap_cell_at(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, bool repeat_x,
-                                  bool repeat_y, uint32_t x, uint32_t y) {
+/* The one arm that leaves and is cut all the same, because a single edge of the cell runs on over the border; 0: there is none. */
+static unsigned arm_run_on(unsigned inside, unsigned leaving) {
+    bool single = inside != 0 && (inside & (inside - 1)) == 0;
+    unsigned opposite = (inside << 2 | inside >> 2) & 15u;
+    if (!single)
+        return 0;
+    return opposite & leaving ? opposite : leaving & (0u - leaving);
+}
+
+/* Section 3: what a cell at the border has in place of the neighbours that are missing. */
+static void complete_border(zt_silmap_cell *c, unsigned leaving) {
+    unsigned run_on = arm_run_on(arms_cut(c) & ~leaving, leaving);
+    uint8_t point = c->own & (ZT_SILMAP_X | ZT_SILMAP_Y);
+    if (leaving & ZT_SILMAP_CUT_WEST) {
+        c->west = point ^ ZT_SILMAP_X;
+        c->own = (uint8_t)((c->own & ~ZT_SILMAP_WEST) | (run_on & ZT_SILMAP_CUT_WEST ? ZT_SILMAP_WEST : 0));
+    }
+    if (leaving & ZT_SILMAP_CUT_NORTH) {
+        c->north = point ^ ZT_SILMAP_Y;
+        c->own = (uint8_t)((c->own & ~ZT_SILMAP_NORTH) | (run_on & ZT_SILMAP_CUT_NORTH ? ZT_SILMAP_NORTH : 0));
+    }
+    if (leaving & ZT_SILMAP_CUT_EAST)
+        c->east = (uint8_t)((point ^ ZT_SILMAP_X) | (run_on & ZT_SILMAP_CUT_EAST ? ZT_SILMAP_WEST : 0));
+    if (leaving & ZT_SILMAP_CUT_SOUTH)
+        c->south = (uint8_t)((point ^ ZT_SILMAP_Y) | (run_on & ZT_SILMAP_CUT_SOUTH ? ZT_SILMAP_NORTH : 0));
+}
+
+void zt_silmap_cell_at(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, int repeat_x, int repeat_y, uint32_t x,
+                       uint32_t y, zt_silmap_cell *out) {
     const uint8_t *row = cells + (size_t)y * cells_x;
     const uint8_t *above = y > 0 ? row - cells_x : cells + (size_t)(cells_y - 1) * cells_x;
     const uint8_t *below = y + 1 < cells_y ? row + cells_x : cells;
-    uint32_t left = x > 0 ? x - 1 : cells_x - 1;
-    uint32_t right = x + 1 < cells_x ? x + 1 : 0;
-    zt_silmap_cell c;
-    c.own = row[x];
-    c.west = x > 0 || repeat_x ? row[left] : ZT_SILMAP_DEFAULT;
-    c.north = y > 0 || repeat_y ? above[x] : ZT_SILMAP_DEFAULT;
-    c.east = x + 1 < cells_x || repeat_x ? row[right] : ZT_SILMAP_DEFAULT;
-    c.south = y + 1 < cells_y || repeat_y ? below[x] : ZT_SILMAP_DEFAULT;
-    return c;
+    unsigned leaving = (y == 0 && !repeat_y ? (unsigned)ZT_SILMAP_CUT_NORTH : 0u) |
+                       (x + 1 == cells_x && !repeat_x ? (unsigned)ZT_SILMAP_CUT_EAST : 0u) |
+                       (y + 1 == cells_y && !repeat_y ? (unsigned)ZT_SILMAP_CUT_SOUTH : 0u) |
+                       (x == 0 && !repeat_x ? (unsigned)ZT_SILMAP_CUT_WEST : 0u);
+    out->own = row[x];
+    out->west = row[x > 0 ? x - 1 : cells_x - 1];
+    out->north = above[x];
+    out->east = row[x + 1 < cells_x ? x + 1 : 0];
+    out->south = below[x];
+    if (leaving)
+        complete_border(out, leaving);
 }
 
 int zt_silmap_shape_quadrant(const zt_silmap_shape *s, double x, double y) {
@@ -277,7 +310,8 @@ zt_result zt_minify_silmap(const uint8_t *cells, uint32_t cells_x, uint32_t cell
         for (uint32_t x = 0; x < cells_x; x++, out += 4) {
             size_t left = (size_t)x * 4, right = (size_t)((x + 1) % samples_x) * 4;
             const float *corners[4] = {above + left, above + right, below + left, below + right};
-            zt_silmap_cell cell = zt__silmap_cell_at(cells, cells_x, cells_y, repeat_x, repeat_y, x, y);
+            zt_silmap_cell cell;
+            zt_silmap_cell_at(cells, cells_x, cells_y, repeat_x, repeat_y, x, y, &cell);
             minify_cell(&cell, corners, out);
         }
     }

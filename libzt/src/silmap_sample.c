@@ -46,8 +46,8 @@ static zt_result corners_of(const lookup *l, uint32_t x, uint32_t y, const zt__s
         return ZT_OK;
     uint64_t cell_layer = zt__min32(l->layer, s->header.cell_layers - 1);
     const uint8_t *cells = s->cells + cell_layer * s->header.cells_x * s->header.cells_y;
-    zt_silmap_cell cell = zt__silmap_cell_at(cells, s->header.cells_x, s->header.cells_y, s->repeat_x, s->repeat_y, x,
-                                             y);
+    zt_silmap_cell cell;
+    zt_silmap_cell_at(cells, s->header.cells_x, s->header.cells_y, s->repeat_x, s->repeat_y, x, y, &cell);
     c->silmap = NULL; /* while it is being filled */
     ZT_TRY(fetch_corners(l, x, y, c->colour));
     zt_silmap_shape_of(&cell, &c->shape);

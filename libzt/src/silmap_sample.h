@@ -4,7 +4,6 @@
 #define ZT_SILMAP_SAMPLE_H
 
 #include "file_sample.h"
-#include "silmap_filter.h"
 #include "silmap_payload.h"
 
 /* One layer of a silmap. */

@@ -69,12 +69,6 @@ static void fill_grid(grid *g, uint64_t *seed, bool repeat) {
         g->samples[EDGE][EDGE] = g->samples[0][0];
 }
 
-static uint8_t cell_of(const grid *g, int x, int y) {
-    if (!g->repeat && (x < 0 || y < 0 || x >= EDGE || y >= EDGE))
-        return ZT_SILMAP_DEFAULT;
-    return g->cells[(y + EDGE) % EDGE][(x + EDGE) % EDGE];
-}
-
 static double point_x(uint8_t byte) {
     return ((byte & 7) + 0.5) / 8;
 }
@@ -83,19 +77,61 @@ static double point_y(uint8_t byte) {
     return ((byte >> 3 & 7) + 0.5) / 8;
 }
 
+/* The cell next to (x, y) in a direction; false: the texture ends there. */
+static bool cell_beside(const grid *g, int x, int y, const int step[2], uint8_t *out) {
+    int i = x + step[0], j = y + step[1];
+    *out = g->cells[(j + EDGE) % EDGE][(i + EDGE) % EDGE];
+    return g->repeat || (i >= 0 && j >= 0 && i < EDGE && j < EDGE);
+}
+
+/* Section 3: an edge that is alone in a cell at the border runs on over it, straight on if it can. */
+static void run_on(place *p, const bool inside[4]) {
+    int cut = 0, to = -1;
+    for (int i = 0; i < 4; i++) {
+        if (inside[i] && p->cut[i]) {
+            cut++;
+            to = (i + 2) % 4;
+        }
+    }
+    for (int i = 0; i < 4 && cut == 1 && inside[to]; i++)
+        if (!inside[i])
+            to = i;
+    if (cut == 1 && !inside[to])
+        p->cut[to] = true;
+}
+
+static void arms_of(const grid *g, int x, int y, place *p) {
+    static const int steps[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+    uint8_t own = g->cells[y][x];
+    bool inside[4];
+    p->px = point_x(own);
+    p->py = point_y(own);
+    for (int i = 0; i < 4; i++) {
+        uint8_t next, bit = i % 2 ? ZT_SILMAP_WEST : ZT_SILMAP_NORTH;
+        inside[i] = cell_beside(g, x, y, steps[i], &next);
+        p->end[i][0] = inside[i] ? point_x(next) + steps[i][0] : i == 1 ? 2 - p->px : i == 3 ? -p->px : p->px;
+        p->end[i][1] = inside[i] ? point_y(next) + steps[i][1] : i == 2 ? 2 - p->py : i == 0 ? -p->py : p->py;
+        p->cut[i] = inside[i] && ((i == 0 || i == 3 ? own : next) & bit);
+    }
+    run_on(p, inside);
+}
+
+static void check_arms(const place *p) {
+    zt_silmap_shape s;
+    zt_silmap_shape_of(&p->cell, &s);
+    const double ends[4][2] = {{s.nx, s.ny}, {s.ex, s.ey}, {s.sx, s.sy}, {s.wx, s.wy}};
+    CHECK(s.px == p->px && s.py == p->py);
+    for (int i = 0; i < 4; i++) {
+        CHECK(ends[i][0] == p->end[i][0] && ends[i][1] == p->end[i][1]);
+        CHECK((s.cut >> i & 1) == (unsigned)p->cut[i]);
+    }
+}
+
 static place place_of(const grid *g, int x, int y) {
     place p = {0};
-    static const int steps[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-    uint8_t around[4];
-    for (int i = 0; i < 4; i++) {
-        around[i] = cell_of(g, x + steps[i][0], y + steps[i][1]);
-        p.end[i][0] = point_x(around[i]) + steps[i][0];
-        p.end[i][1] = point_y(around[i]) + steps[i][1];
-    }
-    uint8_t own = cell_of(g, x, y);
-    p.cell = (zt_silmap_cell){.own = own, .north = around[0], .east = around[1], .south = around[2], .west = around[3]};
-    p.px = point_x(own);
-    p.py = point_y(own);
+    arms_of(g, x, y, &p);
+    zt_silmap_cell_at(&g->cells[0][0], EDGE, EDGE, g->repeat, g->repeat, (uint32_t)x, (uint32_t)y, &p.cell);
+    check_arms(&p);
     for (int i = 0; i < 4; i++) {
         double *e = p.end[i];
         double f = i == 0   ? p.py / (p.py - e[1])
@@ -104,10 +140,6 @@ static place place_of(const grid *g, int x, int y) {
                             : p.px / (p.px - e[0]);
         p.crossing[i] = i % 2 == 0 ? p.px + f * (e[0] - p.px) : p.py + f * (e[1] - p.py);
     }
-    p.cut[0] = own & ZT_SILMAP_NORTH;
-    p.cut[1] = around[1] & ZT_SILMAP_WEST;
-    p.cut[2] = around[2] & ZT_SILMAP_NORTH;
-    p.cut[3] = own & ZT_SILMAP_WEST;
     p.corners[0] = g->samples[y][x];
     p.corners[1] = g->samples[y][x + 1];
     p.corners[2] = g->samples[y + 1][x];

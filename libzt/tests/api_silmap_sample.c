@@ -25,14 +25,13 @@ static uint32_t wrap_cell(long i, uint32_t n) {
     return (uint32_t)(m < 0 ? m + (long)n : m);
 }
 
-static uint8_t cell_at(const scene *s, uint32_t frame, long x, long y) {
-    return scene_cell(s, frame < s->setup.cell_layers ? frame : s->setup.cell_layers - 1, x, y);
-}
-
 static zt_silmap_cell cell_of(const scene *s, uint32_t frame, long x, long y) {
-    zt_silmap_cell c = {cell_at(s, frame, x, y), cell_at(s, frame, x - 1, y), cell_at(s, frame, x, y - 1),
-                        cell_at(s, frame, x + 1, y), cell_at(s, frame, x, y + 1)};
-    return c;
+    const scene_setup *t = &s->setup;
+    size_t layer = frame < t->cell_layers ? frame : t->cell_layers - 1;
+    zt_silmap_cell cell;
+    zt_silmap_cell_at(s->cells + layer * t->cells_x * t->cells_y, t->cells_x, t->cells_y, t->wrap_u == ZT_WRAP_REPEAT,
+                      t->wrap_v == ZT_WRAP_REPEAT, wrap_cell(x, t->cells_x), wrap_cell(y, t->cells_y), &cell);
+    return cell;
 }
 
 static const float *sample_at(const scene *s, uint32_t layer, uint32_t frame, long x, long y) {

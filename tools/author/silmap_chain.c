@@ -170,18 +170,20 @@ static double link_cost(const chain_job *job, const silmap_line *line, int arm, 
     return silmap_line_cost(line, job->labels->edge, back ? next : own, back ? own : next);
 }
 
-static unsigned point_beyond(const silmap_grid *grid, size_t c, int arm) {
+/* The point that an arm leads to from a cell whose point is `own`. */
+static unsigned point_beyond(const silmap_grid *grid, size_t c, int arm, unsigned own) {
     size_t next = silmap_next(grid, c, arm);
-    return next == SIZE_MAX ? ZT_SILMAP_DEFAULT : grid->cells[next] & POINT;
+    return next == SIZE_MAX ? silmap_mirrored(own, arm == SILMAP_N || arm == SILMAP_S) : grid->cells[next] & POINT;
 }
 
 /* Adds to costs what the line to the fixed cell at an end of a piece costs. */
 static void add_end(const chain_job *job, const chain_node *node, int arm, double *memory, double costs[STATES]) {
     silmap_line line;
-    unsigned beyond = point_beyond(job->labels->grid, node->cell, arm);
     set_link(job, node->cell, arm, memory, &line);
-    for (int s = 0; s < node->count; s++)
-        costs[s] += link_cost(job, &line, arm, node->states[s], beyond);
+    for (int s = 0; s < node->count; s++) {
+        unsigned own = node->states[s];
+        costs[s] += link_cost(job, &line, arm, own, point_beyond(job->labels->grid, node->cell, arm, own));
+    }
 }
 
 static void step(const chain_job *job, const chain_node *before, chain_node *node, double *memory,

@@ -49,6 +49,10 @@ unsigned silmap_cuts(const silmap_grid *grid, size_t c);
 void silmap_set_cut(silmap_grid *grid, size_t c, int arm, int cut);
 /* Cells that are not cut become ZT_SILMAP_DEFAULT; returns how many are cut. */
 size_t silmap_normalise(silmap_grid *grid);
+/* The point in place of a missing neighbour's: the cell's own, mirrored in its north or south side (vertical) or its east or west one. */
+static inline unsigned silmap_mirrored(unsigned point, int vertical) {
+    return point ^ (vertical ? ZT_SILMAP_Y : ZT_SILMAP_X);
+}
 static inline double silmap_coordinate(unsigned position) {
     return (position + 0.5) / 8;
 }

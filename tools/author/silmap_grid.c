@@ -58,12 +58,10 @@ size_t silmap_cell_of(const silmap_grid *grid, size_t s, int k) {
 }
 
 zt_silmap_cell silmap_look(const silmap_grid *grid, size_t c) {
-    uint8_t bytes[4];
-    for (int arm = 0; arm < 4; arm++) {
-        size_t next = silmap_next(grid, c, arm);
-        bytes[arm] = next == SIZE_MAX ? ZT_SILMAP_DEFAULT : grid->cells[next];
-    }
-    return (zt_silmap_cell){grid->cells[c], bytes[SILMAP_W], bytes[SILMAP_N], bytes[SILMAP_E], bytes[SILMAP_S]};
+    zt_silmap_cell cell;
+    zt_silmap_cell_at(grid->cells, grid->w, grid->h, grid->repeat_x, grid->repeat_y, (uint32_t)(c % grid->w),
+                      (uint32_t)(c / grid->w), &cell);
+    return cell;
 }
 
 unsigned silmap_cuts(const silmap_grid *grid, size_t c) {

@@ -35,10 +35,6 @@ typedef struct points_job {
     uint8_t *before;
 } points_job;
 
-static unsigned point_of(const silmap_grid *grid, size_t c) {
-    return c == SIZE_MAX ? ZT_SILMAP_DEFAULT : grid->cells[c] & POINT;
-}
-
 static void ends_of(const silmap_grid *grid, size_t c, int arm, size_t *first, size_t *second) {
     size_t next = silmap_next(grid, c, arm);
     int back = arm == SILMAP_W || arm == SILMAP_N;
@@ -54,8 +50,12 @@ typedef struct local_line {
 } local_line;
 
 static double line_cost(const silmap_labels *labels, const local_line *l) {
-    return silmap_line_cost(&l->line, labels->edge, point_of(labels->grid, l->first),
-                            point_of(labels->grid, l->second));
+    const uint8_t *cells = labels->grid->cells;
+    unsigned first = l->first == SIZE_MAX ? 0 : cells[l->first] & POINT;
+    unsigned second = l->second == SIZE_MAX ? silmap_mirrored(first, l->line.vertical) : cells[l->second] & POINT;
+    if (l->first == SIZE_MAX)
+        first = silmap_mirrored(second, l->line.vertical);
+    return silmap_line_cost(&l->line, labels->edge, first, second);
 }
 
 static double lines_cost(const silmap_labels *labels, local_line *const lines[4]) {

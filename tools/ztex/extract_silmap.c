@@ -59,18 +59,26 @@ static int read_samples(sketch *s, const extract_part *part) {
 
 /* ---- cells -------------------------------------------------------------------------------------------------- */
 
-static uint8_t byte_at(const sketch *s, int64_t x, int64_t y) {
-    int64_t w = s->info.cells_x, h = s->info.cells_y;
-    if (((x < 0 || x >= w) && s->width > s->info.cells_x) || ((y < 0 || y >= h) && s->height > s->info.cells_y))
-        return ZT_SILMAP_DEFAULT;
-    return s->cells[(y + h) % h * w + (x + w) % w];
-}
+/* A cell in the drawing's coordinates: its point, and those that its arms lead to: north, east, south, west. */
+typedef struct drawn_cell {
+    double p[2], ends[4][2];
+    unsigned cut; /* set of ZT_SILMAP_CUT_... */
+} drawn_cell;
 
-/* The point of a cell, also beyond the sides. */
-static void point_of(const sketch *s, int64_t x, int64_t y, double out[2]) {
-    uint8_t byte = byte_at(s, x, y);
-    out[0] = UNIT * ((double)x + ((byte & ZT_SILMAP_X) + 0.5) / 8);
-    out[1] = UNIT * ((double)y + (((byte & ZT_SILMAP_Y) >> 3) + 0.5) / 8);
+static drawn_cell cell_of(const sketch *s, uint32_t x, uint32_t y) {
+    zt_silmap_cell bytes;
+    zt_silmap_shape c;
+    zt_silmap_cell_at(s->cells, s->info.cells_x, s->info.cells_y, s->width == s->info.cells_x,
+                      s->height == s->info.cells_y, x, y, &bytes);
+    zt_silmap_shape_of(&bytes, &c);
+    drawn_cell out = {{c.px, c.py}, {{c.nx, c.ny}, {c.ex, c.ey}, {c.sx, c.sy}, {c.wx, c.wy}}, c.cut};
+    for (int axis = 0; axis < 2; axis++) {
+        double at = axis ? y : x;
+        out.p[axis] = UNIT * (out.p[axis] + at);
+        for (int k = 0; k < 4; k++)
+            out.ends[k][axis] = UNIT * (out.ends[k][axis] + at);
+    }
+    return out;
 }
 
 /* Where the arm between the points of two neighbours meets the side between them: across in x, or down in y. */
@@ -88,9 +96,8 @@ static void put_fill(const sketch *s, const float rgba[4]) {
 }
 
 static void put_quadrants(const sketch *s, uint32_t x, uint32_t y) {
-    double p[2], c[4][2], w[2], n[2], e[2], d[2];
+    double w[2], n[2], e[2], d[2];
     const float *colours[4];
-    int64_t i = x, j = y;
     for (uint32_t k = 0; k < 4; k++)
         colours[k] = s->samples + 4 * ((size_t)((y + (k >> 1)) % s->height) * s->width + (x + (k & 1)) % s->width);
     int same = 1;
@@ -102,15 +109,12 @@ static void put_quadrants(const sketch *s, uint32_t x, uint32_t y) {
         fputs("/>\n", s->stream);
         return;
     }
-    point_of(s, i, j, p);
-    point_of(s, i - 1, j, c[0]);
-    point_of(s, i, j - 1, c[1]);
-    point_of(s, i + 1, j, c[2]);
-    point_of(s, i, j + 1, c[3]);
-    crossing_of(c[0], p, 0, UNIT * (double)x, w);
-    crossing_of(c[1], p, 1, UNIT * (double)y, n);
-    crossing_of(p, c[2], 0, UNIT * (double)(x + 1), e);
-    crossing_of(p, c[3], 1, UNIT * (double)(y + 1), d);
+    drawn_cell c = cell_of(s, x, y);
+    const double *p = c.p;
+    crossing_of(c.ends[3], p, 0, UNIT * (double)x, w);
+    crossing_of(c.ends[0], p, 1, UNIT * (double)y, n);
+    crossing_of(p, c.ends[1], 0, UNIT * (double)(x + 1), e);
+    crossing_of(p, c.ends[2], 1, UNIT * (double)(y + 1), d);
     for (int k = 0; k < 4; k++) {
         const double *side = k & 1 ? e : w, *top = k >> 1 ? d : n;
         fprintf(s->stream, "<path d=\"M%u %uL%.4g %.4g %.4g %.4g %.4g %.4gz\" ",
@@ -121,18 +125,16 @@ static void put_quadrants(const sketch *s, uint32_t x, uint32_t y) {
     }
 }
 
-/* The west and the north arm of a cell, if they are cut as wanted. */
+/* The west and the north arm of a cell, and those that leave the texture, if they are cut as wanted. */
 static void put_arms(const sketch *s, uint32_t x, uint32_t y, int cut) {
-    uint8_t byte = byte_at(s, x, y);
-    double p[2], other[2];
-    point_of(s, x, y, p);
-    for (int k = 0; k < 2; k++) {
-        int inside = k ? y > 0 || s->height == s->info.cells_y : x > 0 || s->width == s->info.cells_x;
-        if (!!(byte & (k ? ZT_SILMAP_NORTH : ZT_SILMAP_WEST)) != cut || !inside)
-            continue;
-        point_of(s, (int64_t)x - !k, (int64_t)y - k, other);
-        fprintf(s->stream, "M%.5g %.5gL%.5g %.5g\n", p[0], p[1], other[0], other[1]);
-    }
+    drawn_cell c = cell_of(s, x, y);
+    unsigned wanted = ZT_SILMAP_CUT_NORTH | ZT_SILMAP_CUT_WEST;
+    wanted |= x + 1 == s->info.cells_x ? (unsigned)ZT_SILMAP_CUT_EAST : 0u;
+    wanted |= y + 1 == s->info.cells_y ? (unsigned)ZT_SILMAP_CUT_SOUTH : 0u;
+    wanted &= cut ? c.cut : ~c.cut;
+    for (int k = 0; k < 4; k++)
+        if (wanted >> k & 1)
+            fprintf(s->stream, "M%.5g %.5gL%.5g %.5g\n", c.p[0], c.p[1], c.ends[k][0], c.ends[k][1]);
 }
 
 static void put_lines(const sketch *s, int cut, const char *style) {
@@ -145,17 +147,12 @@ static void put_lines(const sketch *s, int cut, const char *style) {
 
 /* Only where an arm is cut do points mean anything. */
 static void put_points(const sketch *s) {
-    double p[2];
     fputs("<path fill=\"none\" stroke-linecap=\"round\" stroke-width=\"2.4\" stroke=\"#000\" d=\"", s->stream);
     for (uint32_t y = 0; y < s->info.cells_y; y++) {
         for (uint32_t x = 0; x < s->info.cells_x; x++) {
-            int64_t i = x, j = y;
-            int cut = byte_at(s, i, j) | (byte_at(s, i + 1, j) & ZT_SILMAP_WEST) |
-                      (byte_at(s, i, j + 1) & ZT_SILMAP_NORTH);
-            if (!(cut & (ZT_SILMAP_WEST | ZT_SILMAP_NORTH)))
-                continue;
-            point_of(s, i, j, p);
-            fprintf(s->stream, "M%.5g %.5gh0\n", p[0], p[1]);
+            drawn_cell c = cell_of(s, x, y);
+            if (c.cut)
+                fprintf(s->stream, "M%.5g %.5gh0\n", c.p[0], c.p[1]);
         }
     }
     fputs("\"/>\n", s->stream);

@@ -13,18 +13,12 @@ typedef struct averaging {
     int alpha;    /* channel that weighs the others, or -1 */
 } averaging;
 
-static uint8_t byte_at(const averaging *a, int64_t x, int64_t y) {
-    int64_t w = a->cells->cells_x, h = a->cells->cells_y;
-    int repeat_x = a->samples->width == a->cells->cells_x, repeat_y = a->samples->height == a->cells->cells_y;
-    if (((x < 0 || x >= w) && !repeat_x) || ((y < 0 || y >= h) && !repeat_y))
-        return ZT_SILMAP_DEFAULT;
-    return a->cells->cells[(size_t)((y + h) % h * w + (x + w) % w)];
-}
-
 static zt_silmap_cell look(const averaging *a, uint32_t x, uint32_t y) {
-    int64_t i = x, j = y;
-    return (zt_silmap_cell){byte_at(a, i, j), byte_at(a, i - 1, j), byte_at(a, i, j - 1), byte_at(a, i + 1, j),
-                            byte_at(a, i, j + 1)};
+    const author_silmap_result *cells = a->cells;
+    zt_silmap_cell cell;
+    zt_silmap_cell_at(cells->cells, cells->cells_x, cells->cells_y, a->samples->width == cells->cells_x,
+                      a->samples->height == cells->cells_y, x, y, &cell);
+    return cell;
 }
 
 static size_t corner(const averaging *a, uint32_t x, uint32_t y, int quadrant) {

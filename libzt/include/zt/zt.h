@@ -333,10 +333,15 @@ ZT_API uint32_t zt_get_silmap_minified(const zt_file *file, uint32_t texture, ui
 #define ZT_SILMAP_WEST UINT8_C(0x40)
 #define ZT_SILMAP_NORTH UINT8_C(0x80)
 
-/* A cell and its neighbours' bytes, those that are missing ZT_SILMAP_DEFAULT. */
+/* A cell and its neighbours' bytes. */
 typedef struct zt_silmap_cell {
     uint8_t own, west, north, east, south;
 } zt_silmap_cell;
+
+/* Cell (x, y), in range, of a layer of cells_x x cells_y bytes. Where the texture does not repeat, the bytes of the neighbours that are missing, and the cell's own
+ * bits for them, are what silmap.md section 3 says. */
+ZT_API void zt_silmap_cell_at(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, int repeat_x, int repeat_y,
+                              uint32_t x, uint32_t y, zt_silmap_cell *out);
 
 /* Quadrants and corners: */
 enum { ZT_SILMAP_00 = 0, ZT_SILMAP_10 = 1, ZT_SILMAP_01 = 2, ZT_SILMAP_11 = 3 };
