@@ -9,7 +9,9 @@
 
 #include "base_diag.h"
 
-enum { MAX_THREADS = 256, SPINS = 1000 }; /* of 40 ns or so */
+/* Spins of 40 ns or so: in all as long as decoding a tile of 256 x 256 texels takes, which is how long threads wait for
+ * each other at the end of a run. */
+enum { MAX_THREADS = 256, SPINS = 4000 };
 
 typedef void task_function(void *context, size_t index, unsigned worker);
 

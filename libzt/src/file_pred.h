@@ -35,7 +35,7 @@ const zt__pred_kernel *zt__pred_kernel_vector(void); /* SSE2, NEON, WASM: texels
 const zt__pred_kernel *zt__pred_kernel_sse41(void);  /* samples by fours */
 const zt__pred_kernel *zt__pred_kernel_neon(void);
 const zt__pred_kernel *zt__pred_kernel_avx2(void);
-const zt__pred_kernel *zt__pred_kernel_avx512(void);
+const zt__pred_kernel *zt__pred_kernel_avx512(void); /* with VBMI and VNNI: Ice Lake, Zen 4 and later */
 /* All that this machine runs, plain C first, the fastest last. Returns how many. */
 uint32_t zt__pred_kernels(const zt__pred_kernel *out[ZT__PRED_KERNELS]);
 /* The fastest. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The decoder's loops for AVX2 and AVX-512 (file_pred.h). Whatever is left of a row goes to the loops in plain C. */
+/* The decoder's loops for AVX2 (file_pred.h). Whatever is left of a row goes to the loops in plain C. */
 #include "file_pred_job.h"
 
 #if (defined(__x86_64__) || defined(__i386__)) && (defined(__GNUC__) || defined(__clang__))
@@ -10,7 +10,6 @@
 #include "base_bytes.h"
 
 #define AVX2 __attribute__((target("avx2,popcnt")))
-#define AVX512 __attribute__((target("avx2,popcnt,avx512f,avx512bw,avx512vl")))
 
 AVX2 static inline __m256i load(const void *p) {
     return _mm256_loadu_si256(p);
@@ -46,7 +45,7 @@ AVX2 static void select_avx2(const uint8_t *above, const uint8_t *beside, const 
     }
 }
 
-AVX2 static void measure_avx2(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width) {
+AVX2 void zt__pred_measure_avx2(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width) {
     const __m256i lengths = _mm256_setr_epi8(0, 1, 2, 2, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4, 4, 0, 1, 2, 2, 3, 3, 3, 3, 4,
                                              4, 4, 4, 4, 4, 4, 4);
     const __m256i four = _mm256_set1_epi8(4), nibble = _mm256_set1_epi8(15), none = _mm256_setzero_si256();
@@ -99,9 +98,9 @@ AVX2 static inline __m256i step8(const uint32_t *tables, uint32_t *states, __m25
     const void *base = tables;
     __m256i slot = _mm256_and_si256(state, _mm256_set1_epi32(ZT__PRED_SLOTS - 1));
     __m256i entry = _mm256_i32gather_epi32(base, _mm256_or_si256(slot, first), 4);
-    __m256i f = _mm256_and_si256(_mm256_srli_epi32(entry, 8), _mm256_set1_epi32(0xFFF));
+    __m256i f = _mm256_and_si256(entry, _mm256_set1_epi32(ZT__PRED_FREQUENCY));
     state = _mm256_mullo_epi32(f, _mm256_srli_epi32(state, ZT__PRED_BITS));
-    state = _mm256_add_epi32(state, _mm256_srli_epi32(entry, 20));
+    state = _mm256_add_epi32(state, _mm256_srli_epi32(entry, ZT__PRED_OFFSET_AT));
     __m256i need = _mm256_cmpgt_epi32(_mm256_set1_epi32(ZT__PRED_LOW), state);
     uint32_t lanes = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(need));
     __m256i words = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(load_half(*next)), load(spread[lanes]));
@@ -111,11 +110,14 @@ AVX2 static inline __m256i step8(const uint32_t *tables, uint32_t *states, __m25
     return entry;
 }
 
-/* The low bytes of 4 x 8 numbers, in order. */
-AVX2 static inline __m256i low_bytes(__m256i a, __m256i b, __m256i c, __m256i d) {
-    const __m256i mask = _mm256_set1_epi32(255);
-    __m256i ab = _mm256_packus_epi32(_mm256_and_si256(a, mask), _mm256_and_si256(b, mask));
-    __m256i cd = _mm256_packus_epi32(_mm256_and_si256(c, mask), _mm256_and_si256(d, mask));
+/* The symbols of 8 entries as numbers. */
+AVX2 static inline __m256i symbols8(__m256i entry) {
+    return _mm256_and_si256(_mm256_srli_epi32(entry, ZT__PRED_SYMBOL_AT), _mm256_set1_epi32(255));
+}
+
+/* Those of 4 x 8 entries as bytes, in order. */
+AVX2 static inline __m256i symbols_of(__m256i a, __m256i b, __m256i c, __m256i d) {
+    __m256i ab = _mm256_packus_epi32(symbols8(a), symbols8(b)), cd = _mm256_packus_epi32(symbols8(c), symbols8(d));
     return _mm256_permutevar8x32_epi32(_mm256_packus_epi16(ab, cd), _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
 }
 
@@ -133,7 +135,7 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
         __m256i b = step8(base, s + 8, widen(low, 1), &next);
         __m256i c = step8(base, s + 16, widen(high, 0), &next);
         __m256i d = step8(base, s + 24, widen(high, 1), &next);
-        store(out + x, low_bytes(a, b, c, d));
+        store(out + x, symbols_of(a, b, c, d));
     }
     for (; to - x >= 8; x += 8) {
         next = zt__pred_words(job, next);
@@ -142,7 +144,7 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
         __m128i act = _mm_loadl_epi64((const void *)(acts + x));
         __m256i first = _mm256_shuffle_epi8(numbers, _mm256_broadcastsi128_si256(act));
         __m256i entry = step8(base, states + (x & mask), widen(first, 0), &next);
-        _mm_storel_epi64((void *)(out + x), _mm256_castsi256_si128(low_bytes(entry, entry, entry, entry)));
+        _mm_storel_epi64((void *)(out + x), _mm256_castsi256_si128(symbols_of(entry, entry, entry, entry)));
     }
     job->next = next;
     if (next > job->end)
@@ -155,21 +157,16 @@ AVX2 static void symbols_avx2(zt__pred_job *job, const zt__pred_map *map, uint8_
  * waits for its left neighbour alone. */
 enum { LAG = 2, WAVE = (ZT__PRED_STRIP - 1) * LAG };
 
+/* Of 8 x 8 numbers whose rows i and i + 4 share registers: r[i] holds the first halves, r[i + 4] the second ones. Makes
+ * columns. */
 AVX2 static inline void transpose8(__m256i r[8]) {
-    __m256i a[8], b[8];
-    for (int i = 0; i < 8; i += 2) {
-        a[i] = _mm256_unpacklo_epi32(r[i], r[i + 1]);
-        a[i + 1] = _mm256_unpackhi_epi32(r[i], r[i + 1]);
-    }
     for (int i = 0; i < 8; i += 4) {
-        b[i] = _mm256_unpacklo_epi64(a[i], a[i + 2]);
-        b[i + 1] = _mm256_unpackhi_epi64(a[i], a[i + 2]);
-        b[i + 2] = _mm256_unpacklo_epi64(a[i + 1], a[i + 3]);
-        b[i + 3] = _mm256_unpackhi_epi64(a[i + 1], a[i + 3]);
-    }
-    for (int i = 0; i < 4; i++) {
-        r[i] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x20);
-        r[i + 4] = _mm256_permute2x128_si256(b[i], b[i + 4], 0x31);
+        __m256i a = _mm256_unpacklo_epi32(r[i], r[i + 1]), b = _mm256_unpacklo_epi32(r[i + 2], r[i + 3]);
+        __m256i c = _mm256_unpackhi_epi32(r[i], r[i + 1]), d = _mm256_unpackhi_epi32(r[i + 2], r[i + 3]);
+        r[i] = _mm256_unpacklo_epi64(a, b);
+        r[i + 1] = _mm256_unpackhi_epi64(a, b);
+        r[i + 2] = _mm256_unpacklo_epi64(c, d);
+        r[i + 3] = _mm256_unpackhi_epi64(c, d);
     }
 }
 
@@ -199,22 +196,28 @@ AVX2 static inline __m256i add_green(__m256i texels, __m256i green) {
     return _mm256_add_epi8(texels, _mm256_shuffle_epi8(texels, green));
 }
 
-/* One step of a wave for 8 columns of residuals, row i in r[i]: left is the values of the column before. */
+/* One step of a wave for 8 columns of residuals, which become values: left is the values of the column before. */
 AVX2 static inline void restore_columns(__m256i r[8], const uint8_t *top, __m256i *left, __m256i *above,
                                         __m256i *corner) {
     const __m256i down = _mm256_setr_epi32(7, 0, 1, 2, 3, 4, 5, 6);
     transpose8(r);
     for (uint32_t i = 0; i < 8; i++) {
-        __m256i first = _mm256_castsi128_si256(_mm_loadu_si32(top + (size_t)i * 4));
-        __m256i up = _mm256_blend_epi32(*above, first, 1);
+        __m256i up = _mm256_blend_epi32(*above, load(top + (size_t)i * 4), 1);
         *above = _mm256_permutevar8x32_epi32(*left, down);
-        __m256i sum = _mm256_add_epi8(_mm256_add_epi8(*left, r[i]), up);
+        __m256i sum = _mm256_add_epi8(_mm256_add_epi8(up, r[i]), *left);
         __m256i least = _mm256_min_epu8(*left, up), most = _mm256_max_epu8(*left, up);
         *left = _mm256_sub_epi8(sum, _mm256_min_epu8(_mm256_max_epu8(*corner, least), most));
         *corner = up;
         r[i] = *left;
     }
-    transpose8(r);
+}
+
+/* The 8 texels of row i and those of row i + 4, as transpose8 leaves them. */
+AVX2 static inline void store_rows(uint8_t *row, uint8_t *lower, __m256i first, __m256i second) {
+    _mm_storeu_si128((void *)row, _mm256_castsi256_si128(first));
+    _mm_storeu_si128((void *)(row + 16), _mm256_castsi256_si128(second));
+    _mm_storeu_si128((void *)lower, _mm256_extracti128_si256(first, 1));
+    _mm_storeu_si128((void *)(lower + 16), _mm256_extracti128_si256(second, 1));
 }
 
 /* Residuals of 8 rows of 4-byte texels become values: row i is lane i, and a step goes one column on. Left of a row all
@@ -224,20 +227,26 @@ AVX2 static void wave8(const strip *s) {
     __m256i left = _mm256_setzero_si256(), corner = left, above = left;
     for (uint32_t x = 0; x < s->width + WAVE; x += 8) {
         __m256i r[8];
-        uint8_t *at[8], *to = s->dst + (size_t)x * 4;
-        for (uint32_t i = 0; i < 8; i++) {
-            at[i] = s->texels + i * s->pitch + (size_t)x * 4 - (size_t)i * (4 * LAG);
-            r[i] = load(at[i]);
+        uint8_t *from = s->texels + (size_t)x * 4, *to = s->dst + (size_t)x * 4;
+        size_t pitch = s->pitch - 4 * LAG, dst_pitch = s->dst_pitch - 4 * LAG;
+        for (uint32_t i = 0; i < 4; i++) {
+            const uint8_t *row = from + i * pitch, *lower = row + 4 * pitch;
+            r[i] = _mm256_inserti128_si256(_mm256_castsi128_si256(load_half(row)), load_half(lower), 1);
+            r[i + 4] = _mm256_inserti128_si256(_mm256_castsi128_si256(load_half(row + 16)), load_half(lower + 16), 1);
         }
         restore_columns(r, s->top + (size_t)x * 4, &left, &above, &corner);
+        transpose8(r);
         if (x < s->from || x >= s->to) {
-            for (int i = 0; i < 8; i++)
-                store(at[i], r[i]);
+            for (uint32_t i = 0; i < 4; i++)
+                store_rows(from + i * pitch, from + (i + 4) * pitch, r[i], r[i + 4]);
             continue;
         }
-        for (uint32_t i = 0; i < 8; i++)
-            store(to + i * s->dst_pitch - (size_t)i * (4 * LAG), add_green(r[i], green));
-        store(at[7], r[7]); /* above the next strip */
+        /* above the next strip */
+        _mm_storeu_si128((void *)(from + 7 * pitch), _mm256_extracti128_si256(r[3], 1));
+        _mm_storeu_si128((void *)(from + 7 * pitch + 16), _mm256_extracti128_si256(r[7], 1));
+        for (uint32_t i = 0; i < 4; i++)
+            store_rows(to + i * dst_pitch, to + (i + 4) * dst_pitch, add_green(r[i], green),
+                       add_green(r[i + 4], green));
     }
 }
 
@@ -478,7 +487,7 @@ static void restore_one(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t d
     memcpy(job->top, job->texels + (ZT__PRED_STRIP - 1) * job->texel_pitch, width);
 }
 
-static void restore_avx2(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
+AVX2 void zt__pred_restore_avx2(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch) {
     if (job->planes == 1) {
         restore_one(job, rows, dst, dst_pitch);
         return;
@@ -529,7 +538,7 @@ AVX2 static inline void add_slopes8(uint8_t *texels, uint32_t channels) {
     }
 }
 
-AVX2 static void add_slopes_avx2(uint8_t *texels, uint32_t channels, uint32_t width) {
+AVX2 void zt__pred_add_slopes_avx2(uint8_t *texels, uint32_t channels, uint32_t width) {
     uint8_t rest[32] = {0};
     uint32_t x = 0, n = channels == 3 ? 10 : 8; /* as many have the bytes that are read */
     for (; width - x >= n; x += 8, texels += 8 * (size_t)channels)
@@ -544,113 +553,15 @@ AVX2 static void add_slopes_avx2(uint8_t *texels, uint32_t channels, uint32_t wi
     }
 }
 
-/* As select_avx2, up to 63 bytes behind the width. */
-AVX512 static void select_avx512(const uint8_t *above, const uint8_t *beside, const uint8_t *high, uint8_t *acts,
-                                 uint32_t width) {
-    const __m512i most = _mm512_set1_epi8(high ? ZT__PRED_ACTS - 2 : ZT__PRED_ACTS - 1);
-    for (uint32_t x = 0; x < width; x += 64) {
-        __m512i act = _mm512_avg_epu8(_mm512_loadu_si512(above + x - 1), _mm512_loadu_si512(above + x + 1));
-        act = _mm512_avg_epu8(act, _mm512_loadu_si512(above + x));
-        if (beside)
-            act = _mm512_avg_epu8(act, _mm512_loadu_si512(beside + x));
-        act = _mm512_min_epu8(act, most);
-        if (high) {
-            __m512i h = _mm512_loadu_si512(high + x);
-            act = _mm512_mask_mov_epi8(act, _mm512_test_epi8_mask(h, h), _mm512_set1_epi8(ZT__PRED_ACTS - 1));
-        }
-        _mm512_storeu_si512(acts + x, act);
-    }
-}
-
-AVX512 static void measure_avx512(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width) {
-    if (high) {
-        measure_avx2(high, low, out, width);
-        return;
-    }
-    for (uint32_t x = 0; x < width; x += 64)
-        _mm512_storeu_si512(out + x, _mm512_abs_epi8(_mm512_loadu_si512(low + x)));
-}
-
-/* One sample of 16 lanes. numbers: of their tables. Returns the low bytes of the table entries. */
-AVX512 static inline __m128i step16(const uint32_t *tables, __m512i *states, __m128i numbers, const uint8_t **next) {
-    __m512i state = *states;
-    __m512i slot = _mm512_and_si512(state, _mm512_set1_epi32(ZT__PRED_SLOTS - 1));
-    __m512i table = _mm512_slli_epi32(_mm512_cvtepu8_epi32(numbers), ZT__PRED_BITS);
-    __m512i entry = _mm512_i32gather_epi32(_mm512_or_si512(slot, table), tables, 4);
-    __m512i f = _mm512_and_si512(_mm512_srli_epi32(entry, 8), _mm512_set1_epi32(0xFFF));
-    state = _mm512_mullo_epi32(f, _mm512_srli_epi32(state, ZT__PRED_BITS));
-    state = _mm512_add_epi32(state, _mm512_srli_epi32(entry, 20));
-    __mmask16 need = _mm512_cmplt_epu32_mask(state, _mm512_set1_epi32(ZT__PRED_LOW));
-    __m512i words = _mm512_cvtepu16_epi32(_mm256_loadu_si256((const void *)*next));
-    state = _mm512_mask_slli_epi32(state, need, state, 16);
-    *states = _mm512_or_si512(state, _mm512_maskz_expand_epi32(need, words));
-    *next += 2 * (size_t)(uint32_t)__builtin_popcount(need);
-    return _mm512_cvtepi32_epi8(entry);
-}
-
-/* As many samples of all 64 lanes as words are there for. Returns where it ends. */
-AVX512 static uint32_t symbols64(zt__pred_job *job, __m128i numbers, uint8_t *out, uint32_t x, uint32_t to) {
-    const uint8_t *next = job->next, *acts = job->acts;
-    __m512i states[4];
-    for (int i = 0; i < 4; i++)
-        states[i] = _mm512_loadu_si512(job->states + 16 * i);
-    for (; to - x >= 64 && job->end - next >= 2 * ZT__PRED_REACH; x += 64) {
-        __m128i bytes[4];
-        bytes[0] = step16(job->tables, &states[0], _mm_shuffle_epi8(numbers, load_half(acts + x)), &next);
-        bytes[1] = step16(job->tables, &states[1], _mm_shuffle_epi8(numbers, load_half(acts + x + 16)), &next);
-        bytes[2] = step16(job->tables, &states[2], _mm_shuffle_epi8(numbers, load_half(acts + x + 32)), &next);
-        bytes[3] = step16(job->tables, &states[3], _mm_shuffle_epi8(numbers, load_half(acts + x + 48)), &next);
-        for (int i = 0; i < 4; i++)
-            _mm_storeu_si128((void *)(out + x + 16 * i), bytes[i]);
-    }
-    for (int i = 0; i < 4; i++)
-        _mm512_storeu_si512(job->states + 16 * i, states[i]);
-    job->next = next;
-    return x;
-}
-
-AVX512 static void symbols_avx512(zt__pred_job *job, const zt__pred_map *map, uint8_t *out, uint32_t from,
-                                  uint32_t to) {
-    const __m128i numbers = load_half(map->numbers);
-    uint32_t mask = job->lanes - 1, x = job->lanes == 64 ? symbols64(job, numbers, out, from, to) : from;
-    const uint8_t *next = job->next, *acts = job->acts;
-    for (; to - x >= 16; x += 16) {
-        next = zt__pred_words(job, next);
-        if (!next)
-            return;
-        __m512i states = _mm512_loadu_si512(job->states + (x & mask));
-        _mm_storeu_si128((void *)(out + x),
-                         step16(job->tables, &states, _mm_shuffle_epi8(numbers, load_half(acts + x)), &next));
-        _mm512_storeu_si512(job->states + (x & mask), states);
-    }
-    job->next = next;
-    if (next > job->end)
-        zt__pred_words(job, next);
-    else if (x < to)
-        zt__pred_symbols_c(job, map, out, x, to);
-}
-
 const zt__pred_kernel *zt__pred_kernel_avx2(void) {
-    static const zt__pred_kernel kernel = {"avx2",       select_avx2,  symbols_avx2,
-                                           measure_avx2, restore_avx2, add_slopes_avx2};
+    static const zt__pred_kernel kernel = {
+        "avx2", select_avx2, symbols_avx2, zt__pred_measure_avx2, zt__pred_restore_avx2, zt__pred_add_slopes_avx2};
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt") ? &kernel : NULL;
-}
-
-const zt__pred_kernel *zt__pred_kernel_avx512(void) {
-    static const zt__pred_kernel kernel = {"avx512",       select_avx512, symbols_avx512,
-                                           measure_avx512, restore_avx2,  add_slopes_avx2};
-    bool ok = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-              __builtin_cpu_supports("avx512vl") && zt__pred_kernel_avx2() != NULL;
-    return ok ? &kernel : NULL;
 }
 
 #else
 
 const zt__pred_kernel *zt__pred_kernel_avx2(void) {
-    return NULL;
-}
-
-const zt__pred_kernel *zt__pred_kernel_avx512(void) {
     return NULL;
 }
 

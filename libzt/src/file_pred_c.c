@@ -27,8 +27,8 @@ void zt__pred_select_c(const uint8_t *above, const uint8_t *beside, const uint8_
 /* Decodes one sample. Returns the state, which wants a word when it is below ZT__PRED_LOW. */
 static inline uint32_t step(const uint32_t *table, uint32_t state, uint8_t *out) {
     uint32_t e = table[state & (ZT__PRED_SLOTS - 1)];
-    *out = (uint8_t)e;
-    return (e >> 8 & 0xFFF) * (state >> ZT__PRED_BITS) + (e >> 20);
+    *out = (uint8_t)(e >> ZT__PRED_SYMBOL_AT);
+    return (e & ZT__PRED_FREQUENCY) * (state >> ZT__PRED_BITS) + (e >> ZT__PRED_OFFSET_AT);
 }
 
 /* The same with the word. */

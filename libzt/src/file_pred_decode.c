@@ -139,8 +139,8 @@ static inline void fill_slots(uint32_t *slots, uint32_t f, uint32_t entry) {
     uint32_t s = 0;
     do {
         for (uint32_t i = 0; i < FILL; i++)
-            slots[s + i] = entry + (i << 20);
-        entry += (uint32_t)FILL << 20;
+            slots[s + i] = entry + (i << ZT__PRED_OFFSET_AT);
+        entry += (uint32_t)FILL << ZT__PRED_OFFSET_AT;
         s += FILL;
     } while (s < f);
 }
@@ -162,7 +162,7 @@ static bool take_table(bits *in, uint32_t channel_bytes, uint32_t *table) {
             return false;
         /* residuals of one byte by growing magnitude: 0, -1, 1, -2, 2 ... */
         uint32_t symbol = channel_bytes == 1 ? ((i >> 1) ^ (0 - (i & 1))) & 255 : i;
-        fill_slots(table + sum, f, symbol | f << 8);
+        fill_slots(table + sum, f, f | symbol << ZT__PRED_SYMBOL_AT);
         sum += f;
     }
     return sum == ZT__PRED_SLOTS;

@@ -23,7 +23,9 @@ enum {
     ZT__PRED_NORMAL = 32
 };
 
-/* An entry of a decoding table, one a slot: the symbol, its frequency << 8, and (slot - first slot of it) << 20. */
+/* An entry of a decoding table, one a slot: the frequency of a symbol, then from these bits on the symbol and what the
+ * slot is behind its first one. */
+enum { ZT__PRED_FREQUENCY = 0xFFF, ZT__PRED_SYMBOL_AT = 12, ZT__PRED_OFFSET_AT = 20 };
 
 /* The table of each activity of a plane. */
 typedef struct zt__pred_map {
@@ -97,6 +99,11 @@ static inline const uint8_t *zt__pred_words(zt__pred_job *job, const uint8_t *ne
 
 void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width);
 void zt__pred_restore_c(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);
+
+/* Those of AVX2 that AVX-512 has nothing better for. */
+void zt__pred_measure_avx2(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width);
+void zt__pred_restore_avx2(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);
+void zt__pred_add_slopes_avx2(uint8_t *texels, uint32_t channels, uint32_t width);
 
 /* By vectors of the compiler; only where zt__pred_kernel_vector is not NULL. */
 void zt__pred_restore_vector(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch);

@@ -91,21 +91,21 @@ static const bytes16 spread[16] = {SPREAD4(0), SPREAD4(4), SPREAD4(8), SPREAD4(1
 /* Bytes of those words. */
 static const uint8_t used[16] = {0, 2, 2, 4, 2, 4, 4, 6, 2, 4, 4, 6, 4, 6, 6, 8};
 
-/* One sample of 4 lanes. Reads 8 bytes of words. Returns the table entries. */
+/* One sample of 4 lanes. Reads 8 bytes of words. Returns the table entries from the symbols on. */
 TARGET static inline words4 step4(const uint32_t *const *tables, const uint8_t *acts, uint32_t *states,
                                   const uint8_t **next) {
     words4 state, entry;
     memcpy(&state, states, sizeof state);
     for (uint32_t i = 0; i < 4; i++)
         entry[i] = tables[acts[i]][states[i] & (ZT__PRED_SLOTS - 1)];
-    state = (entry >> 8 & 0xFFF) * (state >> ZT__PRED_BITS) + (entry >> 20);
+    state = (entry & ZT__PRED_FREQUENCY) * (state >> ZT__PRED_BITS) + (entry >> ZT__PRED_OFFSET_AT);
     words4 need = (words4)(state < ZT__PRED_LOW);
     uint32_t lanes = bits_of(need);
     words4 words = (words4)look_up((bytes16)(longs2){zt__load64(*next), 0}, spread[lanes]);
     state = (state & ~need) | (state << 16 & need) | words;
     memcpy(states, &state, sizeof state);
     *next += used[lanes];
-    return entry;
+    return entry >> ZT__PRED_SYMBOL_AT;
 }
 
 /* The even ones of 16-bit numbers, and of bytes. */

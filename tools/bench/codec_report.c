@@ -150,11 +150,14 @@ static void write_head(const codec_report *report, FILE *out) {
 #endif
             __VERSION__);
     codec_versions(out);
-    fprintf(out,
-            ".\n\nAll contenders take turns within each round, picture by picture, from memory into memory that is "
-            "there before. Figures of one\nthread are its CPU time, those of two are wall time. Every picture that "
-            "is decoded is compared with its source. One level; sizes\nare those of whole files. Opening the file "
-            "counts as decoding. The pictures are those of tools/bench/pictures.txt.\n");
+    fprintf(
+        out,
+        ".\n\nIn each round all encode, picture by picture; then they take turns to decode the whole set, one picture "
+        "after the other, after one\ndecoding that does not count. From memory into memory that is there before. "
+        "Figures of one thread are its CPU time, those of two\nare wall time, each of them kept on a processor of "
+        "its own, where a system may leave both on one. Every picture that "
+        "is decoded is compared with its source. One level; sizes\nare those of whole files. Opening the file "
+        "counts as decoding. The pictures are those of tools/bench/pictures.txt.\n");
     fprintf(out, "\n![Bytes against decode speed](codec-bench.svg)\n");
     fprintf(out, "\n| class | pictures | MB |\n|---|--:|--:|\n");
     for (int set = 0; set <= CODEC_ALL_8; set++) {

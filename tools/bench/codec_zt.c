@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ours: a .ztex file of one image with one level, written to memory and decoded from memory. */
+#define _GNU_SOURCE /* for the affinity of threads */
+#include <sched.h>
+
 #include <zt/zt_write.h>
 
 #include "codec.h"
@@ -13,10 +16,31 @@ zt_writer_options codec_zt_options(int effort, const zt_parallel *parallel) {
     return (zt_writer_options){.parallel = parallel, .effort = effort};
 }
 
+/* The calling thread goes to the first processor, the other one to the last: some systems leave both on one for as long
+ * as decoding a few pictures takes. A thread begins where the one that makes it is. */
+static zt_result open_pool(zt_threads **out) {
+    cpu_set_t allowed, one;
+    int first = 0, last = CPU_SETSIZE - 1;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0 || CPU_COUNT(&allowed) < 2)
+        return zt_threads_open(2, out);
+    while (!CPU_ISSET((size_t)first, &allowed))
+        first++;
+    while (!CPU_ISSET((size_t)last, &allowed))
+        last--;
+    CPU_ZERO(&one);
+    CPU_SET((size_t)last, &one);
+    sched_setaffinity(0, sizeof one, &one);
+    zt_result result = zt_threads_open(2, out);
+    CPU_ZERO(&one);
+    CPU_SET((size_t)first, &one);
+    sched_setaffinity(0, sizeof one, &one);
+    return result;
+}
+
 const zt_parallel *codec_zt_parallel(int threads) {
     static zt_threads *pool;
     static zt_parallel parallel;
-    if (threads == 2 && !pool && zt_threads_open(2, &pool) == ZT_OK)
+    if (threads == 2 && !pool && open_pool(&pool) == ZT_OK)
         parallel = zt_threads_parallel(pool);
     return threads == 2 ? &parallel : NULL;
 }

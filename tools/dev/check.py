@@ -53,6 +53,7 @@ POSIX_HEADERS = set('''dirent.h fcntl.h getopt.h libgen.h strings.h unistd.h sys
 EXTERNALS = [
     ('libzt/src/base_threads.c', ('pthread.h',)),
     ('libzt/src/file_pred_avx2.c', ('immintrin.h',)),
+    ('libzt/src/file_pred_avx512.c', ('immintrin.h',)),
     ('libzt/src/base_hash_avx2.c', ('immintrin.h',)),
     ('libzt/src/base_hash_avx512.c', ('immintrin.h',)),
     ('libzt/src/file_pred_lanes.c', ('arm_neon.h', 'smmintrin.h')),
@@ -72,6 +73,7 @@ EXTERNALS = [
     # The peers of the codec benchmark.
     ('tools/bench/silmap_*', ('author_silmap.h', 'librsvg/rsvg.h')),
     ('tools/bench/codec_*.c', ('png.h', 'spng.h', 'qoi.h', 'webp/*', 'jxl/*', 'OpenEXR/openexr.h', 'zstd.h')),
+    ('tools/bench/codec_zt.c', ('sched.h',)),
     ('tools/ztex/module.c', ('dlfcn.h',)),
     ('tools/author/tests/register_test.c', ('dlfcn.h',)),
     # The authoring library.
