@@ -168,6 +168,38 @@ static void sample_points(run *r, const zt_sampler *sampler) {
     }
 }
 
+/* Seldom anything: a ray across a million repeats of a texture takes its time. */
+static zt_ray any_ray(fuzz_random *random) {
+    bool wild = fuzz_below(random, 256) == 0;
+    zt_ray ray;
+    double *fields[] = {&ray.u0, &ray.v0, &ray.z0, &ray.footprint0, &ray.u1, &ray.v1, &ray.z1, &ray.footprint1};
+    for (int k = 0; k < 8; k++)
+        *fields[k] = wild ? coordinate(random) : (double)fuzz_below(random, 1 << 20) * 0x1p-19 - (k % 4 < 2 ? 0.5 : 0);
+    ray.z1 = fuzz_below(random, 2) ? 0 : ray.z1;
+    ray.footprint1 *= fuzz_below(random, 2) ? 0.0625 : 1; /* the taper ends at 1/8 */
+    ray.footprint0 *= 0.03125;
+    return ray;
+}
+
+/* Rays through umbrellas: any is answered with what there is. */
+static void sample_rays(run *r, const zt_sampler *sampler, uint32_t texture) {
+    zt_ray rays[POINTS];
+    zt_hit hits[POINTS];
+    zt_diag diag;
+    zt_umbrella_info info;
+    bool umbrellas = zt_get_umbrellas(r->file, texture, &info) == ZT_OK;
+    for (int i = 0; i < POINTS; i++)
+        rays[i] = any_ray(&r->random);
+    zt_result result = zt_sample_rays(sampler, rays, POINTS, hits, &diag);
+    fuzz_require_diag(&diag, result, r->size);
+    REQUIRE(umbrellas == (result != ZT_BAD_ARGUMENT));
+    for (int i = 0; i < POINTS && result == ZT_OK; i++) {
+        REQUIRE(hits[i].kind <= ZT_HIT_BACKGROUND);
+        REQUIRE((hits[i].kind == ZT_HIT_UMBRELLA) == (hits[i].umbrella != ZT_NONE));
+        REQUIRE(hits[i].umbrella == ZT_NONE || hits[i].umbrella < info.levels[0].umbrella_count);
+    }
+}
+
 static void sample_texture(run *r, uint32_t texture, uint32_t layer_count) {
     zt_sampler *sampler;
     zt_diag diag;
@@ -176,12 +208,19 @@ static void sample_texture(run *r, uint32_t texture, uint32_t layer_count) {
                                   .first_patch_only = fuzz_below(&r->random, 8) == 0};
     if (options.filter == ZT_FILTER_TRILINEAR)
         options.max_anisotropy = fuzz_below(&r->random, 17);
+    if (fuzz_below(&r->random, 4) == 0) {
+        options.light_x = fuzz_below(&r->random, 1000) / 100.0 - 5;
+        options.light_y = fuzz_below(&r->random, 1000) / 100.0 - 5;
+        options.shadow = 0.5;
+    }
     zt_result result = zt_sampler_open(r->file, texture, &options, &diag, &sampler);
     fuzz_require_diag(&diag, result, r->size);
     REQUIRE((result == ZT_OK) == (sampler != NULL));
     REQUIRE(result != ZT_BAD_ARGUMENT);
-    if (sampler)
+    if (sampler) {
         sample_points(r, sampler);
+        sample_rays(r, sampler, texture);
+    }
     zt_sampler_close(sampler);
 }
 

@@ -54,6 +54,37 @@ static void visit_images(const zt_file *file, uint32_t count, uint64_t size) {
     REQUIRE(zt_get_image(file, count, &info) == ZT_BAD_ARGUMENT);
 }
 
+/* What a lookup follows without looking: indices, and the order of lists. */
+static void visit_umbrellas(const zt_file *file, uint32_t texture, uint32_t image_count) {
+    zt_umbrella_info n;
+    REQUIRE(zt_get_umbrellas(file, texture, &n) == ZT_OK);
+    REQUIRE(n.level_count >= 1 && n.levels[0].width == n.grid_x && n.levels[0].height == n.grid_y);
+    for (uint32_t i = 0; i < n.base_count; i++) {
+        const zt_umbrella_base *b = &n.bases[i];
+        REQUIRE(b->source < (b->shows_texture ? texture : image_count));
+        REQUIRE(b->vertex_count >= 3 && b->first_vertex + b->vertex_count <= n.base_vertex_count);
+        REQUIRE(b->first_morph == ZT_NONE || b->first_morph + b->vertex_count <= n.morph_vertex_count);
+        REQUIRE(b->first_colour + b->variant_count * (1U + b->vertex_count) <= n.variant_colour_count);
+    }
+    for (uint32_t i = 0; i < n.umbrella_count; i++) {
+        const zt_umbrella *m = &n.umbrellas[i];
+        REQUIRE(m->form == ZT_UMBRELLA_COLOURED || m->base < n.base_count);
+        REQUIRE(m->first_vertex + m->vertex_count <= n.explicit_vertex_count);
+        REQUIRE(m->form == ZT_UMBRELLA_PARAMETRIC || m->vertex_count >= 3);
+        REQUIRE(m->vertex_count == 0 || m->first_colour + m->vertex_count < n.explicit_colour_count);
+    }
+    REQUIRE(n.list_starts[0] == 0 && n.list_starts[n.cell_count] == n.entry_count);
+    for (uint32_t l = 0; l < n.level_count; l++) {
+        const zt_umbrella_level *level = &n.levels[l];
+        REQUIRE(level->first_cell + level->width * level->height <= n.cell_count);
+        REQUIRE(level->first_umbrella + level->umbrella_count <= n.umbrella_count);
+        uint32_t last = level->first_cell + level->width * level->height;
+        for (uint32_t i = n.list_starts[level->first_cell]; i < n.list_starts[last]; i++)
+            REQUIRE((n.entries[i] & ZT_UMBRELLA_ENTRY) < level->umbrella_count &&
+                    n.entries[i] >> ZT_UMBRELLA_SHIFT < 9);
+    }
+}
+
 static void visit_textures(const zt_file *file, uint32_t count, uint32_t image_count) {
     zt_texture_info info;
     zt_layer_info layer;
@@ -63,8 +94,10 @@ static void visit_textures(const zt_file *file, uint32_t count, uint32_t image_c
         REQUIRE(strlen(info.name) <= 255 && (info.name[0] == 0 || zt_find_texture(file, info.name) == i));
         for (uint32_t k = 0; k < info.layer_count; k++) {
             REQUIRE(zt_get_layer(file, i, k, &layer) == ZT_OK);
-            REQUIRE(layer.image < image_count);
+            REQUIRE(info.kind == ZT_KIND_UMBRELLA ? layer.image == ZT_NONE : layer.image < image_count);
         }
+        if (info.kind == ZT_KIND_UMBRELLA)
+            visit_umbrellas(file, i, image_count);
         for (uint32_t p = 0; p < info.patch_count && p < LOOKED_AT; p++) {
             REQUIRE(zt_get_patch(file, i, p, &patch) == ZT_OK);
             REQUIRE(p == 0 ? patch.parent == 0 : patch.parent < p);

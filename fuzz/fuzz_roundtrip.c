@@ -198,6 +198,15 @@ static void copy_silmap(zt_writer *writer, const zt_file *file, uint32_t texture
     REQUIRE(result == ZT_OK);
 }
 
+static void copy_umbrellas(zt_writer *writer, const zt_file *file, uint32_t texture, const zt_texture_desc *desc) {
+    zt_umbrella_info info;
+    zt_diag diag;
+    REQUIRE(zt_get_umbrellas(file, texture, &info) == ZT_OK);
+    zt_result result = zt_writer_add_umbrellas(writer, desc, &info, &diag, NULL);
+    fuzz_require_diag(&diag, result, 0);
+    REQUIRE(result == ZT_OK);
+}
+
 static void copy_textures(zt_writer *writer, const zt_file *file, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         zt_texture_info info;
@@ -217,6 +226,10 @@ static void copy_textures(zt_writer *writer, const zt_file *file, uint32_t count
         }
         if (info.kind == ZT_KIND_SILMAP) {
             copy_silmap(writer, file, i, &desc);
+            continue;
+        }
+        if (info.kind == ZT_KIND_UMBRELLA) {
+            copy_umbrellas(writer, file, i, &desc);
             continue;
         }
         zt_result result = zt_writer_add_texture(writer, &desc, &diag, NULL);
@@ -269,6 +282,27 @@ static void require_same_texels(const zt_file *a, const zt_file *b, uint32_t ima
     }
 }
 
+static void require_same_array(const void *a, const void *b, uint32_t a_count, uint32_t b_count, size_t size) {
+    REQUIRE(a_count == b_count && (a_count == 0 || memcmp(a, b, a_count * size) == 0));
+}
+
+/* Structs of 4-byte words: no byte of them is padding. */
+static void require_same_umbrellas(const zt_file *a, const zt_file *b, uint32_t texture) {
+    zt_umbrella_info x, y;
+    if (zt_get_umbrellas(a, texture, &x) != ZT_OK)
+        return;
+    REQUIRE(zt_get_umbrellas(b, texture, &y) == ZT_OK);
+    require_same_array(x.levels, y.levels, x.level_count, y.level_count, sizeof *x.levels);
+    require_same_array(x.bases, y.bases, x.base_count, y.base_count, sizeof *x.bases);
+    require_same_array(x.umbrellas, y.umbrellas, x.umbrella_count, y.umbrella_count, sizeof *x.umbrellas);
+    require_same_array(x.explicit_vertices, y.explicit_vertices, x.explicit_vertex_count, y.explicit_vertex_count,
+                       sizeof *x.explicit_vertices);
+    require_same_array(x.explicit_colours, y.explicit_colours, x.explicit_colour_count, y.explicit_colour_count,
+                       sizeof *x.explicit_colours);
+    require_same_array(x.list_starts, y.list_starts, x.cell_count + 1, y.cell_count + 1, sizeof *x.list_starts);
+    require_same_array(x.entries, y.entries, x.entry_count, y.entry_count, sizeof *x.entries);
+}
+
 static void require_equal(const zt_file *file, const output *out, const zt_limits *limits) {
     zt_file *again;
     zt_file_info info, written;
@@ -280,6 +314,8 @@ static void require_equal(const zt_file *file, const output *out, const zt_limit
     zt_get_file(again, &written);
     REQUIRE(info.image_count == written.image_count && info.texture_count == written.texture_count);
     require_same_texels(file, again, info.image_count);
+    for (uint32_t i = 0; i < info.texture_count; i++)
+        require_same_umbrellas(file, again, i);
     zt_close(again);
 }
 
@@ -495,6 +531,95 @@ static void add_silmap(zt_writer *writer, input *in, const zt_texture_desc *desc
     accepted(zt_writer_add_silmap(writer, desc, &silmap, &diag, NULL), &diag);
 }
 
+enum { MOST_UMBRELLAS = 6, CORNERS = 4, GRID = 4 };
+
+/* The arrays of umbrellas that come from bytes. */
+typedef struct scatter {
+    zt_umbrella_level level;
+    zt_umbrella_base base;
+    zt_umbrella_texel corners[CORNERS];
+    zt_umbrella_colour variants[2 * (1 + CORNERS)];
+    zt_umbrella umbrellas[MOST_UMBRELLAS];
+    zt_umbrella_offset offsets[MOST_UMBRELLAS * CORNERS];
+    zt_umbrella_colour colours[MOST_UMBRELLAS * (1 + CORNERS)];
+    uint32_t starts[GRID * GRID + 1], entries[GRID * GRID * MOST_UMBRELLAS];
+} scatter;
+
+static void take_base(input *in, scatter *s, uint32_t image_count) {
+    static const zt_umbrella_texel corners[CORNERS] = {{60000, 30000}, {30000, 60000}, {900, 30000}, {30000, 900}};
+    zt_umbrella_base base = {.source = take_image(in, image_count),
+                             .aspect = 1 + take8(in) * 300,
+                             .first_morph = ZT_NONE,
+                             .vertex_count = CORNERS,
+                             .variant_count = (uint8_t)(take8(in) % 2 * 2),
+                             .centre = {(uint16_t)(20000 + take8(in) * 100), (uint16_t)(20000 + take8(in) * 60)},
+                             .height = (uint16_t)take8(in),
+                             .ellipsoid = (uint8_t)(1 + take8(in) % 2)};
+    memcpy(s->corners, corners, sizeof corners);
+    if (seldom(in))
+        s->corners[take8(in) % CORNERS].x = (uint16_t)(take8(in) << 8);
+    s->base = base;
+}
+
+static void take_umbrella(input *in, scatter *s, zt_umbrella_info *info) {
+    uint32_t form = take8(in) % (3 + seldom(in));
+    bool has_base = form != ZT_UMBRELLA_COLOURED, corners = form != ZT_UMBRELLA_PARAMETRIC;
+    zt_umbrella m = {.x = (int32_t)(take8(in) * 256),
+                     .y = (int32_t)(take8(in) * 256),
+                     .a = corners ? 0 : 1 + (int32_t)take8(in),
+                     .vertex_count = corners ? CORNERS : 0,
+                     .form = (uint8_t)form,
+                     .strength = has_base ? (uint8_t)take8(in) : 0,
+                     .ellipsoid = has_base ? ZT_ELLIPSOID_OF_BASE : ZT_ELLIPSOID_FLAT,
+                     .lift = (uint16_t)(take8(in) * 255)};
+    for (uint32_t k = 0; k < CORNERS && corners; k++) {
+        int32_t reach = (int32_t)(1 + take8(in)) * (seldom(in) ? -1 : 1);
+        zt_umbrella_offset v = {k == 0 ? reach : k == 2 ? -reach : 0, k == 1 ? reach : k == 3 ? -reach : 0};
+        s->offsets[info->explicit_vertex_count++] = v;
+    }
+    s->umbrellas[info->umbrella_count++] = m;
+}
+
+static void take_lists(input *in, scatter *s, zt_umbrella_info *info) {
+    for (uint32_t cell = 0; cell < info->grid_x * info->grid_y; cell++) {
+        for (uint32_t i = 0; i < info->umbrella_count; i++) {
+            if (take8(in) % 2)
+                s->entries[info->entry_count++] = (i + seldom(in)) | UINT32_C(4) << ZT_UMBRELLA_SHIFT;
+        }
+        s->starts[cell + 1] = info->entry_count;
+    }
+}
+
+static void add_umbrellas(zt_writer *writer, input *in, const zt_texture_desc *desc, uint32_t image_count) {
+    scatter s = {.level = {.bits = take8(in) % 17}};
+    zt_diag diag;
+    zt_umbrella_info info = {.grid_x = 1 + take8(in) % GRID,
+                             .grid_y = 1 + take8(in) % GRID,
+                             .level_count = 1,
+                             .base_count = 1,
+                             .base_vertex_count = CORNERS,
+                             .colour_mode = (zt_umbrella_colour_mode)(take8(in) % (2 + seldom(in))),
+                             .background_source = ZT_NONE,
+                             .mean = {(float)take8(in)},
+                             .taper_end = 0.125F,
+                             .levels = &s.level,
+                             .bases = &s.base,
+                             .base_vertices = s.corners,
+                             .variant_colours = s.variants,
+                             .umbrellas = s.umbrellas,
+                             .explicit_vertices = s.offsets,
+                             .explicit_colours = s.colours,
+                             .list_starts = s.starts,
+                             .entries = s.entries};
+    take_base(in, &s, image_count);
+    info.variant_colour_count = s.base.variant_count * (1U + CORNERS);
+    for (uint32_t n = take8(in) % MOST_UMBRELLAS; n > 0; n--)
+        take_umbrella(in, &s, &info);
+    s.level.umbrella_count = info.umbrella_count;
+    take_lists(in, &s, &info);
+    accepted(zt_writer_add_umbrellas(writer, desc, &info, &diag, NULL), &diag);
+}
+
 static void add_textures(zt_writer *writer, input *in, uint32_t image_count) {
     zt_diag diag;
     char name[40], value[40];
@@ -504,9 +629,11 @@ static void add_textures(zt_writer *writer, input *in, uint32_t image_count) {
         zt_texture_desc desc = {.name = name, .layers = layers, .layer_count = 1 + take8(in) % 8 / 7};
         desc.wrap_u = (zt_wrap)(take8(in) % (4 + seldom(in)));
         desc.wrap_v = (zt_wrap)(take8(in) % 4);
-        uint32_t kind = take8(in) % 4;
+        uint32_t kind = take8(in) % 5;
         if (kind == 3)
             add_silmap(writer, in, &desc);
+        else if (kind == 4)
+            add_umbrellas(writer, in, &desc, image_count);
         else if (kind % 2)
             accepted(zt_writer_add_texture(writer, &desc, &diag, NULL), &diag);
         else

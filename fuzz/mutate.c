@@ -293,13 +293,24 @@ static void recode_tile(mutation *m) {
 
 /* ---- planes of payloads ---- */
 
+/* Types with planes, and how many of them are counted off. */
+static const struct {
+    char type[5];
+    uint32_t planes;
+} payloads[] = {{"ZPMP", 14}, {"SLMP", 14}, {"UMBR", 44}};
+
 static bool pick_plane(mutation *m, fuzz_chunk **chunk, size_t *at, size_t *stored) {
-    fuzz_chunk *zipmap = fuzz_find(&m->file, "ZPMP"), *silmap = fuzz_find(&m->file, "SLMP");
-    *chunk = !zipmap || (silmap && below(m, 2)) ? silmap : zipmap;
+    enum { TYPES = sizeof payloads / sizeof *payloads };
+    uint32_t type = below(m, TYPES);
+    *chunk = NULL;
+    for (uint32_t k = 0; k < TYPES && !*chunk; k++) {
+        type = (type + 1) % TYPES;
+        *chunk = fuzz_find(&m->file, payloads[type].type);
+    }
     if (!*chunk)
         return false;
     *at = fuzz_planes_at(*chunk);
-    for (uint32_t skip = below(m, 14); fuzz_next_plane(*chunk, at, stored); skip--) {
+    for (uint32_t skip = below(m, payloads[type].planes); fuzz_next_plane(*chunk, at, stored); skip--) {
         if (skip == 0)
             return true;
         *at += PLANE_HEADER_SIZE + *stored;

@@ -157,6 +157,8 @@ static void seal_units(fuzz_file *file, unsigned skip) {
 size_t fuzz_planes_at(const fuzz_chunk *chunk) {
     if (memcmp(chunk->entry, "ZPMP", 4) == 0)
         return 16;
+    if (memcmp(chunk->entry, "UMBR", 4) == 0)
+        return 104;
     return memcmp(chunk->entry, "SLMP", 4) == 0 ? 24 : 0;
 }
 

@@ -6,7 +6,7 @@ meta:
   endian: le
   ks-version: 0.9
 doc: |
-  The layout of spec/ztex.md, spec/zipmap.md and spec/silmap.md. It checks magics and fixed fields only; the rules are in the documents.
+  The layout of spec/ztex.md, spec/zipmap.md, spec/silmap.md and spec/umbrella.md. It checks magics and fixed fields only; the rules are in the documents.
   Chunks with codec 1 are left as bytes, since the grammar does not decode Zstandard.
 seq:
   - id: preamble
@@ -119,6 +119,7 @@ types:
             '"IMAG"': imag
             '"ZPMP"': zpmp
             '"SLMP"': slmp
+            '"UMBR"': umbr
             '"META"': meta_pairs
   texs:
     seq:
@@ -341,6 +342,82 @@ types:
         type: plane
         repeat: expr
         repeat-expr: 3
+  umbr:
+    doc: |
+      The planes are level_umbrellas, level_bits, base_kind, base_source, base_aspect, base_vertices, base_morph, base_variants, base_x, base_y,
+      base_ellipsoid, base_height, base_curvature, vertex_x, vertex_y, morph_x, morph_y, variant_r, variant_g, variant_b, form, base, x, y, a, b,
+      morph, variant_0, variant_1, variant_weight, strength, ellipsoid, height, curvature, lift, vertices, explicit_x, explicit_y, explicit_r,
+      explicit_g, explicit_b, list_size, entry, shift.
+    seq:
+      - id: grid_x
+        type: u4
+        valid:
+          min: 1
+          max: 8192
+      - id: grid_y
+        type: u4
+        valid:
+          min: 1
+          max: 8192
+      - id: level_count
+        type: u4
+        valid:
+          min: 1
+          max: 14
+      - id: base_count
+        type: u4
+        valid:
+          max: 65536
+      - id: umbrella_count
+        type: u4
+        valid:
+          max: 16777216
+      - id: base_vertex_count
+        type: u4
+      - id: morph_vertex_count
+        type: u4
+      - id: variant_colour_count
+        type: u4
+      - id: explicit_vertex_count
+        type: u4
+      - id: entry_count
+        type: u4
+      - id: longest_list
+        type: u4
+      - id: colour_mode
+        type: u1
+        enum: colour_mode
+      - id: background_kind
+        type: u1
+        enum: background_kind
+      - id: reserved46
+        contents: [0, 0]
+      - id: background_source
+        type: u4
+      - id: background
+        type: f4
+        repeat: expr
+        repeat-expr: 4
+      - id: mean
+        type: f4
+        repeat: expr
+        repeat-expr: 4
+      - id: prism_height
+        type: f4
+      - id: taper_start
+        type: f4
+      - id: taper_end
+        type: f4
+      - id: layer_count
+        type: u4
+        valid: 1
+      - id: reserved100
+        type: u4
+        valid: 0
+      - id: planes
+        type: plane
+        repeat: expr
+        repeat-expr: 44
   plane:
     seq:
       - id: element_size
@@ -381,7 +458,7 @@ enums:
     0: image
     1: zipmap
     2: silmap
-    3: umbrella
+    3: umbrellas
   wrap:
     0: repeat
     1: mirrored_repeat
@@ -399,6 +476,13 @@ enums:
     0: continuous
     1: sen2004
     2: nearest
+  colour_mode:
+    0: barycentric
+    1: inverse_distance
+  background_kind:
+    0: colour
+    1: image
+    2: texture
   predictor:
     0: none
     1: delta

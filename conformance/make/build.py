@@ -19,11 +19,13 @@ import fieldsmake       # noqa: F401  adds its files to both lists of cases
 import hex as dump
 import invalid
 import invalid_silmaps  # noqa: F401  adds its files to invalid.CASES
+import invalid_umbrellas  # noqa: F401  likewise
 import valid
 import valid_silmaps    # noqa: F401  adds its files to valid.CASES
+import valid_umbrellas  # noqa: F401  likewise
 from ztexmake import SPEC
 
-LOOKUPS = "lookups.json"                # in valid/, made by ref/lookups.py
+LOOKUPS = {"lookups.json", "rays.json"}     # in valid/, made by ref/lookups.py
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 
 
@@ -48,7 +50,8 @@ def make_valid() -> dict:
         entry["decoded"] = [{"image": i, "level": k, "sha256": sha256(image.level_data(k))}
                             for i, image in enumerate(file.images) for k in range(image.levels)]
         planes = [{name: n, "sha256": sha256(part.elements())}
-                  for name, parts in (("zipmap", file.zipmaps()), ("silmap", file.silmaps()))
+                  for name, parts in (("zipmap", file.zipmaps()), ("silmap", file.silmaps()),
+                                      ("umbrellas", file.umbrellas()))
                   for n, part in enumerate(parts)]
         if planes:
             entry["planes"] = planes
@@ -76,7 +79,7 @@ def compare(folder: str, wanted: dict, write: bool) -> list:
     """Differences between a folder and what should be in it; with `write` they are removed."""
     path = os.path.join(ROOT, folder)
     os.makedirs(path, exist_ok=True)
-    found = {n for n in os.listdir(path) if n.endswith((".ztex", ".json"))} - {LOOKUPS}
+    found = {n for n in os.listdir(path) if n.endswith((".ztex", ".json"))} - LOOKUPS
     problems = ["%s/%s: not made by build.py" % (folder, n) for n in sorted(found - set(wanted))]
     if write:
         for n in found - set(wanted):

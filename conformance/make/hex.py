@@ -12,8 +12,10 @@ import sys
 
 EXAMPLES = {"first.hex": "first.ztex", "zipmap.hex": "zip_patch_smallest.ztex"}
 PARTS = {"pred.hex": "pred_example.ztex"}             # part of a file: the last tile
-CHUNKS = {"silmap.hex": "silmap_example.ztex"}        # the stored bytes of a chunk
-QUOTED = {"first.hex": "ztex.md", "pred.hex": "ztex.md", "silmap.hex": "silmap.md"}
+CHUNKS = {"silmap.hex": "silmap_example.ztex",       # the stored bytes of a chunk
+          "umbrella.hex": "umbrella_example.ztex"}
+QUOTED = {"first.hex": "ztex.md", "pred.hex": "ztex.md", "silmap.hex": "silmap.md",
+          "umbrella.hex": "umbrella.md"}
 
 
 def parse(text: str) -> bytes:

@@ -10,7 +10,7 @@ import re
 import sys
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-DOCUMENTS = ("ztex.md", "zipmap.md", "silmap.md", "registry.md")
+DOCUMENTS = ("ztex.md", "zipmap.md", "silmap.md", "umbrella.md", "registry.md")
 
 
 def stated_rules(problems: list) -> set:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes .ztex files field by field, with the names of spec/ztex.md, spec/zipmap.md and
-spec/silmap.md.
+"""Writes .ztex files field by field, with the names of spec/ztex.md, spec/zipmap.md,
+spec/silmap.md and spec/umbrella.md.
 
 A `File` is a description: images, textures, metadata, other chunks. `File.build()` turns it into
 bytes, computing every size, offset and hash. Any field can be replaced on the way by an *override*,
@@ -12,6 +12,7 @@ a path and a value:
     index.I.U                   pred.I.U.N.FIELD     (predmake.py)
     zpmp.Z.FIELD                plane.Z.NAME.FIELD       meta.FIELD               pair.P.FIELD
     slmp.S.FIELD                slmp.S.PLANE.FIELD   (silmake.py)
+    umbr.U.FIELD                umbr.U.PLANE.FIELD   (umbmake.py)
     stored.TYPE  decoded.TYPE  padding.TYPE  gap.TYPE (behind the padding)  unit_order  chunks  file
 
 The value is a number, bytes, or a function of the value that would have stood there. Everything
@@ -33,7 +34,8 @@ SPEC = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)),
 MAGIC = bytes.fromhex("AB 5A 54 45 58 BB 0D 0A 1A 0A")
 HEAD_MAGIC = bytes.fromhex("AB 5A 54 63 68 6B BB 0A")
 NONE = 0xFFFFFFFF
-KNOWN_FLAGS = {"TEXS": 1, "IMAG": 1, "ZPMP": 1, "SLMP": 1, "TEXL": 1, "META": 2}
+KNOWN_FLAGS = {"TEXS": 1, "IMAG": 1, "ZPMP": 1, "SLMP": 1, "UMBR": 1, "TEXL": 1,
+               "META": 2}
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 MATRIX_NAMES = ["m%d%d" % (r, c) for r in range(3) for c in range(3)]
 
@@ -60,6 +62,10 @@ def uint(value: int, size: int) -> bytes:
 
 def f64_bits(x: float) -> int:
     return struct.unpack("<Q", struct.pack("<d", x))[0]
+
+
+def f32_bits(x: float) -> int:
+    return struct.unpack("<I", struct.pack("<f", x))[0]
 
 
 def noise(size: int, seed: int) -> bytes:
@@ -388,9 +394,11 @@ def plane_bytes(over: Overrides, path: str, size: int, values: list, p: Plane) -
     elements = b"".join(uint(v, size) for v in values)
     bit_width = base = codec = 0
     if p.packing == 2:
-        base = min(values) if p.base is None else p.base
-        top = max(v - base for v in values)
+        base = min(values, default=0) if p.base is None else p.base
+        top = max((v - base for v in values), default=0)
         bit_width = top.bit_length() if p.bit_width is None else p.bit_width
+        if p.base is None:                                 # base + 2^bit_width - 1 must fit
+            base = min(base, (1 << 8 * size) - (1 << bit_width))
         number = sum((v - base) << (i * bit_width) for i, v in enumerate(values))
         stored = number.to_bytes(ceil_div(len(values) * bit_width, 8), "little")
     else:
@@ -460,9 +468,10 @@ class Texture:
     wrap: tuple = (0, 0, 0)
     zipmap: Optional[Zipmap] = None
     silmap: object = None              # silmake.Silmap
+    umbrellas: object = None           # umbmake.Umbrellas
 
     def kind(self) -> int:
-        return 1 if self.zipmap else 2 if self.silmap else 0
+        return 1 if self.zipmap else 2 if self.silmap else 3 if self.umbrellas else 0
 
     def name_bytes(self) -> bytes:
         return self.name.encode() if isinstance(self.name, str) else self.name
@@ -499,6 +508,9 @@ class File:
 
     def silmaps(self) -> list:
         return [t.silmap for t in self.textures if t.silmap]
+
+    def umbrellas(self) -> list:
+        return [t.umbrellas for t in self.textures if t.umbrellas]
 
     def texs(self, over: Overrides) -> bytes:
         names = [over.get("name.%d" % i, t.name_bytes()) for i, t in enumerate(self.textures)]
@@ -555,6 +567,7 @@ class File:
         out = [Chunk("TEXS", self.texs(over)), Chunk("IMAG", imag)]
         out += [Chunk("ZPMP", z.build(over, n)) for n, z in enumerate(self.zipmaps())]
         out += [Chunk("SLMP", s.build(over, n)) for n, s in enumerate(self.silmaps())]
+        out += [Chunk("UMBR", u.build(over, n)) for n, u in enumerate(self.umbrellas())]
         if self.meta is not None:
             out.append(Chunk("META", self.meta_bytes(over)))
         out += [Chunk(**vars(c)) for c in sorted(self.extra, key=lambda c: c.type)]

@@ -10,8 +10,10 @@ import sys
 
 sys.dont_write_bytecode = True
 
+import lookups
 import zsample
 import ztexref
+import zumbrella
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 
@@ -39,7 +41,8 @@ def check_valid(entry: dict) -> list:
                d in enumerate(m.decoded)]
     if decoded != entry["decoded"]:
         problems.append("decoded levels")
-    for kind, name in ((ztexref.ZIPMAP, "zipmap"), (ztexref.SILMAP, "silmap")):
+    for kind, name in ((ztexref.ZIPMAP, "zipmap"), (ztexref.SILMAP, "silmap"),
+                       (ztexref.UMBRELLAS, "umbrellas")):
         planes = [sha256(t.elements) for t in z.textures if t.kind == kind]
         if planes != [p["sha256"] for p in entry.get("planes", []) if name in p]:
             problems.append("decoded planes")
@@ -71,13 +74,31 @@ def check_lookups() -> tuple:
             opened = {e["file"]: ztexref.read(load("valid", e["file"]))}
         z = opened[e["file"]]
         u, v, *d = e["at"]
-        q = zsample.Query(u, v, tuple(d[:2]), tuple(d[2:]), e["frame"], e["filter"])
+        light = zumbrella.Light(e["light_x"], e["light_y"], e["shadow"]) if "shadow" in e else None
+        q = zsample.Query(u, v, tuple(d[:2]), tuple(d[2:]), e["frame"], e["filter"], light)
         found = zsample.look_up(z, z.textures[e["texture"]], q)
         if len(found) != len(e["layers"]) or any(
                 abs(a - b) > 1e-6 for have, want in zip(found, e["layers"])
                 for a, b in zip(have, want)):
             problems.append("valid/%s: lookup at %s: %s" % (e["file"], e["at"], found))
     return len(entries), problems
+
+
+def check_rays() -> tuple:
+    """Count and problems of valid/rays.json."""
+    count, problems = 0, []
+    for e in json.loads(load("valid", "rays.json")):
+        z = ztexref.read(load("valid", e["file"]))
+        texture = z.textures[e["texture"]]
+        for wanted in e["rays"]:
+            count += 1
+            found = zsample.trace(z, texture, lookups.ray_of(texture, wanted))
+            pairs = [*zip(found.rgba, wanted["rgba"]), *zip(found.normal, wanted["normal"]),
+                     (found.t, wanted["t"])]
+            if ((found.kind, found.umbrella) != (wanted["kind"], wanted["umbrella"])
+                    or any(abs(a - b) > 1e-6 for a, b in pairs)):
+                problems.append("valid/%s: ray %s: %s" % (e["file"], wanted, found))
+    return count, problems
 
 
 def main() -> int:
@@ -101,11 +122,13 @@ def main() -> int:
             failures += bool(problems)
             for p in problems:
                 print("%s/%s: %s" % (folder, entry["file"], p))
-    lookups, problems = check_lookups()
-    failures += len(problems)
-    for p in problems:
+    looked_up, problems = check_lookups()
+    rays, more = check_rays()
+    failures += len(problems) + len(more)
+    for p in problems + more:
         print(p)
-    print("reference reader: %d files, %d lookups, %d failures" % (count, lookups, failures))
+    print("reference reader: %d files, %d lookups, %d rays, %d failures"
+          % (count, looked_up, rays, failures))
     return 1 if failures else 0
 
 

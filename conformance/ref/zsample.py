@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Looking up textures: images (spec/ztex.md section 12), zipmaps (spec/zipmap.md section 3), silmaps
-(spec/silmap.md section 6), in binary64, step by step in the order of the texts.
+(spec/silmap.md section 6), in binary64, step by step in the order of the texts. Umbrellas are in
+zumbrella.py.
 
-`look_up(z, texture, query)` gives the four linear, premultiplied channels of each layer."""
+`look_up(z, texture, query)` gives the four linear, premultiplied channels of each layer,
+`trace(z, texture, ray)` what a ray meets in umbrellas."""
 
 import math
 import struct
 from dataclasses import dataclass, replace
 
 import zsilmap
-from ztexref import FORMATS, IMAGE, NONE, SILMAP, ZIPMAP, Image, Texture, Ztex
+import zumbrella
+from ztexref import FORMATS, IMAGE, NONE, SILMAP, UMBRELLAS, ZIPMAP, Image, Texture, Ztex
+from zumbrella import CLAMP, MIRROR, REPEAT, into_unit
 
-REPEAT, MIRROR, CLAMP, BORDER = range(4)
 CLEAR = [0.0, 0.0, 0.0, 0.0]
 
 
@@ -23,6 +26,7 @@ class Query:
     dv: tuple = (0.0, 0.0)
     frame: int = 0                 # array layer
     filter: str = "trilinear"      # or bilinear, nearest
+    light: object = None           # a zumbrella.Light, for umbrellas
 
 
 # ---- texels: ztex.md section 12, step 1 ----------------------------------------------------------
@@ -112,20 +116,6 @@ def look_up_image(image: Image, q: Query, wrap: tuple) -> list:
     f = level - k
     return zsilmap.mix(((1 - f, bilinear(image, k, q, wrap)),
                         (f, bilinear(image, min(k + 1, last), q, wrap))))
-
-
-# ---- coordinates: zipmap.md section 3 ------------------------------------------------------------
-
-def into_unit(x: float, mode: int):
-    """A coordinate in [0, 1], None for outside of a border."""
-    if mode == REPEAT:
-        return x - math.floor(x)
-    if mode == MIRROR:
-        m = x - 2 * math.floor(x / 2)
-        return 2 - m if m > 1 else m
-    if mode == CLAMP:
-        return min(max(x, 0.0), 1.0)
-    return x if 0 <= x <= 1 else None
 
 
 # ---- silmaps: silmap.md section 6 ----------------------------------------------------------------
@@ -235,14 +225,49 @@ def look_up_zipmap(z: Ztex, texture: Texture, q: Query, wrap: tuple) -> list:
     return [zsilmap.mix(((1, c), (left, layer))) for c, layer in zip(total, root)]
 
 
+# ---- umbrellas: the pictures for umbrella.md -----------------------------------------------------
+
+def pictures(z: Ztex, frame: int, filter_: str):
+    """What zumbrella.py looks bases and backgrounds up with. Of a texture it takes the first
+    layer."""
+    def look(kind, source, u, v, du, dv, wrap):
+        q = Query(u, v, du, dv, frame, filter_)
+        if kind == 1:
+            return look_up(z, z.textures[source], q, wrap)[0]
+        return look_up_image(z.images[source], q, wrap)
+    return look
+
+
+def look_up_umbrellas(z: Ztex, texture: Texture, q: Query, wrap: tuple) -> list:
+    inner = zumbrella.Query(q.u, q.v, q.du, q.dv, wrap, q.filter, q.light)
+    return [zumbrella.look_up(texture.umbrellas, inner, pictures(z, q.frame, q.filter))]
+
+
+def trace(z: Ztex, texture: Texture, ray: zumbrella.Ray) -> zumbrella.Answer:
+    return zumbrella.trace(texture.umbrellas, ray, pictures(z, 0, "trilinear"))
+
+
+def sources(texture: Texture) -> tuple:
+    """Images and textures that umbrellas name."""
+    t = texture.umbrellas
+    named = [(b.kind, b.source) for b in t.bases]
+    if t.background_kind != zumbrella.COLOUR:
+        named.append((t.background_kind - 1, t.background_source))
+    return [k for kind, k in named if kind == 0], [k for kind, k in named if kind == 1]
+
+
 def can_look_up(z: Ztex, texture: Texture) -> bool:
     """Whether this sampler knows the formats and kinds of the images that the texture names."""
-    images = texture.images
+    images, textures = texture.images, []
     if texture.kind == ZIPMAP:
         images = [k for _, kind, sources, _, _ in texture.zipmap if kind == 0 for k in sources]
         images += [mask for _, _, _, mask, _ in texture.zipmap if mask != NONE]
     elif texture.kind == SILMAP:
         images = texture.silmap.samples
+    elif texture.kind == UMBRELLAS:
+        images, textures = sources(texture)
+    if not all(can_look_up(z, z.textures[k]) for k in textures):
+        return False
     used = [z.images[k] for k in images]
     return all(i.format in FORMATS and FORMATS[i.format][1][:2] == (1, 1) and i.depth == 1
                and i.layer_kind != 1 for i in used)
@@ -255,5 +280,7 @@ def look_up(z: Ztex, texture: Texture, q: Query, wrap: tuple = None) -> list:
         return look_up_zipmap(z, texture, q, wrap)
     if texture.kind == SILMAP:
         return look_up_silmap(z, texture, q, wrap)
+    if texture.kind == UMBRELLAS:
+        return look_up_umbrellas(z, texture, q, wrap)
     assert texture.kind == IMAGE
     return [look_up_image(z.images[k], q, wrap) for k in texture.images]

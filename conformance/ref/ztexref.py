@@ -3,7 +3,7 @@
 decodes all levels.
 
 `read(data)` returns a `Ztex` or raises `Fault`, which names the first rule that the file breaks.
-The order is that of the layers: preamble, directory, heads and hashes, TEXS, IMAG, ZPMP, SLMP,
+The order is that of the layers: preamble, directory, heads and hashes, TEXS, IMAG, ZPMP, SLMP, UMBR,
 META, texels. Nothing is shared with conformance/make."""
 
 import itertools
@@ -13,31 +13,23 @@ import re
 import struct
 from dataclasses import dataclass, field
 
-import xxhash
-import zstandard
-
 import zfields
 import zmath
 import zpred
 import zsilmap
+import zumbrella
+from zbase import Cursor, Fault, align16, ceil_div, need, read_plane, unzstd, xxh3
 
 SPEC = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..",
                                      "spec"))
-KNOWN = {b"TEXS": 1, b"IMAG": 1, b"ZPMP": 1, b"SLMP": 1, b"META": 2, b"TEXL": 1}  # type -> flags
-ORDER = {b"TEXS": 0, b"IMAG": 1, b"ZPMP": 2, b"SLMP": 3, b"META": 4, b"TEXL": 6}  # others: 5
-IMAGE, ZIPMAP, SILMAP = 0, 1, 2                                        # kinds of textures
+KNOWN = {b"TEXS": 1, b"IMAG": 1, b"ZPMP": 1, b"SLMP": 1, b"UMBR": 1, b"META": 2,
+         b"TEXL": 1}                                                   # type -> flags
+ORDER = {b"TEXS": 0, b"IMAG": 1, b"ZPMP": 2, b"SLMP": 3, b"UMBR": 4, b"META": 5,
+         b"TEXL": 7}                                                   # others: 6
+INSIDE = (b"TEXL", b"ZPMP", b"SLMP", b"UMBR")                          # they compress inside
+OFTEN = (b"ZPMP", b"SLMP", b"UMBR")
+IMAGE, ZIPMAP, SILMAP, UMBRELLAS = 0, 1, 2, 3                          # kinds of textures
 NONE = 0xFFFFFFFF
-
-
-class Fault(Exception):
-    def __init__(self, rule: str, text: str = ""):
-        super().__init__("%s %s" % (rule, text))
-        self.rule = rule
-
-
-def need(condition, rule: str, text: str = ""):
-    if not condition:
-        raise Fault(rule, text)
 
 
 def registry() -> tuple:
@@ -57,100 +49,6 @@ def registry() -> tuple:
 
 
 FORMATS, KEYS = registry()
-
-
-def xxh3(data) -> int:
-    return xxhash.xxh3_64_intdigest(bytes(data))
-
-
-def align16(x: int) -> int:
-    return (x + 15) & ~15
-
-
-def ceil_div(a: int, b: int) -> int:
-    return -(-a // b)
-
-
-class Cursor:
-    """Reads fields one after another; running out of bytes breaks `rule`."""
-
-    def __init__(self, data: bytes, rule: str):
-        self.data, self.at, self.rule = data, 0, rule
-
-    def take(self, n: int) -> bytes:
-        need(n <= len(self.data) - self.at, self.rule, "too few bytes")
-        self.at += n
-        return self.data[self.at - n:self.at]
-
-    def fields(self, layout: str) -> tuple:
-        return struct.unpack("<" + layout, self.take(struct.calcsize("<" + layout)))
-
-    def left(self) -> int:
-        return len(self.data) - self.at
-
-
-# ---- 6.1 zstd ------------------------------------------------------------------------------------
-
-def unzstd(stored: bytes, size: int) -> bytes:
-    """One frame of the profile of 6.1 that decodes to `size` bytes."""
-    need(len(stored) >= 5 and stored[:4] == b"\x28\xb5\x2f\xfd", "R5001", "magic number")
-    descriptor = stored[4]
-    need(descriptor & 0x3F == 0x20, "R5001", "descriptor")
-    width = (1, 2, 4, 8)[descriptor >> 6]
-    need(len(stored) >= 5 + width, "R5002", "cut")
-    content = int.from_bytes(stored[5:5 + width], "little") + (256 if width == 2 else 0)
-    need(content == size, "R5002")
-    at, last = 5 + width, False
-    while not last:
-        need(at + 3 <= len(stored), "R5003", "block header")
-        header = int.from_bytes(stored[at:at + 3], "little")
-        last, kind, length = header & 1, header >> 1 & 3, header >> 3
-        need(kind != 3, "R5003", "reserved type")
-        need(length <= 131072, "R5003", "block size")
-        at += 3 + (1 if kind == 1 else length)
-        need(at <= len(stored), "R5003", "block ends behind the stored bytes")
-    need(at == len(stored), "R5003", "bytes behind the frame")
-    try:
-        out = zstandard.ZstdDecompressor().decompress(stored)
-    except zstandard.ZstdError as error:
-        raise Fault("R5004", str(error))
-    need(len(out) == size, "R5004")
-    return out
-
-
-# ---- 6.2 planes ----------------------------------------------------------------------------------
-
-def read_plane(c: Cursor, size: int, count: int) -> list:
-    (element, predictor, packing, codec, bit_width, reserved, base, n, stored_size,
-     digest) = c.fields("5B3sQIIQ")
-    need(element in (1, 2, 4, 8) and (element, n) == (size, count), "R5102")
-    need(predictor <= 2 and packing <= 2 and codec <= 1 and reserved == b"\0\0\0", "R5101")
-    if packing == 2:
-        need(predictor == 0 and codec == 0 and bit_width <= 8 * size, "R5101")
-        need(base < 1 << 8 * size and base + (1 << bit_width) - 1 < 1 << 8 * size, "R5101", "base")
-        need(stored_size == ceil_div(n * bit_width, 8), "R5103")
-    else:
-        need(bit_width == 0 and base == 0, "R5101")
-        need(stored_size == n * size if codec == 0 else 1 <= stored_size < n * size, "R5103")
-    stored = c.take(stored_size)
-    mask = (1 << 8 * size) - 1
-    if packing == 2:
-        number = int.from_bytes(stored, "little")
-        need(number >> (n * bit_width) == 0, "R5104")
-        values = [(number >> (i * bit_width) & ((1 << bit_width) - 1)) + base for i in range(n)]
-    else:
-        content = unzstd(stored, n * size) if codec else stored
-        if packing == 1:
-            content = bytes(content[k * n + i] for i in range(n) for k in range(size))
-        values = [int.from_bytes(content[i * size:(i + 1) * size], "little") for i in range(n)]
-    if predictor:
-        e1 = e2 = 0
-        for i, z in enumerate(values):
-            d = (z >> 1) ^ (-(z & 1) & mask)
-            e = (e1 + d if predictor == 1 else 2 * e1 - e2 + d) & mask
-            values[i], e1, e2 = e, e, e1
-    need(xxh3(b"".join(v.to_bytes(size, "little") for v in values)) == digest, "R5105")
-    return values
 
 
 # ---- what a file holds ---------------------------------------------------------------------------
@@ -211,6 +109,7 @@ class Texture:
     wrap: tuple = (0, 0, 0)
     zipmap: list = None            # of each patch: parent, kind, sources, mask, composed matrix
     silmap: object = None          # a Silmap
+    umbrellas: object = None       # a zumbrella.Umbrellas
     elements: bytes = b""
 
 
@@ -257,7 +156,7 @@ def read_container(data: bytes) -> list:
         need(re.fullmatch(rb"[A-Z0-9]{4}", kind), "R3004")
         need(flags & ~3 == 0 and flags == KNOWN.get(kind, flags), "R3005")
         need(kind in KNOWN or not flags & 1, "R3012", repr(kind))
-        need(codec <= 1 and not (codec and kind in (b"TEXL", b"ZPMP", b"SLMP")), "R3006")
+        need(codec <= 1 and not (codec and kind in INSIDE), "R3006")
         need(1 <= stored < 1 << 53 and 1 <= decoded < 1 << 53
              and (codec == 0 or decoded <= 1 << 30), "R3003")
         need(stored < decoded if codec else (stored, h1) == (decoded, h2), "R3007")
@@ -269,10 +168,9 @@ def read_container(data: bytes) -> list:
     kinds = [e[1] for e in entries]
     for kind in (b"TEXS", b"IMAG", b"TEXL"):
         need(kind in kinds, "R3010", repr(kind))
-    keys = [(ORDER.get(k, 4), b"" if k in ORDER else k) for k in kinds]
+    keys = [(ORDER.get(k, 6), b"" if k in ORDER else k) for k in kinds]
     need(keys == sorted(keys), "R3009")
-    often = (b"ZPMP", b"SLMP")
-    need(all(k in often or kinds.count(k) == 1 for k in kinds), "R3011")
+    need(all(k in OFTEN or kinds.count(k) == 1 for k in kinds), "R3011")
     out = []
     for i, (raw, kind, version, codec, at, stored_size, decoded_size, h1, h2) in enumerate(entries):
         magic, index, reserved = struct.unpack("<8sII", data[at:at + 16])
@@ -311,7 +209,7 @@ def read_texs(data: bytes) -> list:
          "R6101", "sums")
     layers, out = [], []
     for kind, u, v, w, layer_count, name_size, reserved in heads:
-        need(kind in (IMAGE, ZIPMAP, SILMAP), "R6103", str(kind))
+        need(kind in (IMAGE, ZIPMAP, SILMAP, UMBRELLAS), "R6103", str(kind))
         need(max(u, v, w) <= 3 and reserved == 0, "R6104")
         need(1 <= layer_count <= 32, "R6105")
         need(name_size <= 255, "R6107")
@@ -605,9 +503,10 @@ def read(data: bytes) -> Ztex:
     texl = by_kind(b"TEXL")[0][1]
     z.textures = read_texs(by_kind(b"TEXS")[0][1])
     z.images = read_imag(by_kind(b"IMAG")[0][1], len(texl))
-    zpmp, slmp = by_kind(b"ZPMP"), by_kind(b"SLMP")
+    zpmp, slmp, umbr = by_kind(b"ZPMP"), by_kind(b"SLMP"), by_kind(b"UMBR")
     need(len(zpmp) == sum(t.kind == ZIPMAP for t in z.textures), "R6110", "ZPMP")
     need(len(slmp) == sum(t.kind == SILMAP for t in z.textures), "R6110", "SLMP")
+    need(len(umbr) == sum(t.kind == UMBRELLAS for t in z.textures), "R6110", "UMBR")
     for t in z.textures:
         if t.kind == IMAGE:
             need(all(i < len(z.images) for i in t.images), "R6106")
@@ -625,6 +524,11 @@ def read(data: bytes) -> Ztex:
     for t in z.textures:
         if t.kind == SILMAP:
             read_slmp(next(payloads)[1], t, z)
+    payloads = iter(umbr)
+    for own, t in enumerate(z.textures):
+        if t.kind == UMBRELLAS:
+            t.umbrellas = zumbrella.read(next(payloads)[1], len(t.images), t.wrap, own, z.images)
+            t.elements = t.umbrellas.elements
     for version, payload in by_kind(b"META"):
         if version == 1:
             z.meta = read_meta(payload, z.warnings)

@@ -92,6 +92,13 @@ static inline uint64_t zt__align16(uint64_t v) {
     return (v + 15) & ~UINT64_C(15);
 }
 
+/* Lays out a part of a block: its place, and *size grows up to the next part. Sums are below 2^63. */
+static inline uint64_t zt__take_part(uint64_t *size, uint64_t bytes) {
+    uint64_t at = *size;
+    *size = zt__align16(at + bytes);
+    return at;
+}
+
 static inline uint64_t zt__ceil_div(uint64_t a, uint64_t b) {
     return a / b + (a % b != 0);
 }

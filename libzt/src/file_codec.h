@@ -61,6 +61,9 @@ zt_result zt__decode_fields(zt__sink *sink, zt__decoder *decoder, const zt__fiel
 zt_result zt__decode_plane(zt__sink *sink, zt__decoder *decoder, zt__cursor *in, uint64_t chunk_offset,
                            uint32_t element_size, uint32_t count, void *dst);
 
+/* The same of its header alone (rules 5101 to 5103): for counts to be judged before there is memory for them. */
+zt_result zt__skip_plane(zt__sink *sink, zt__cursor *in, uint64_t chunk_offset, uint32_t element_size, uint32_t count);
+
 /* An encoding context: one for each thread. */
 typedef struct zt__encoder {
     zt__memory *memory;

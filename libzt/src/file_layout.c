@@ -10,9 +10,10 @@ static const zt__chunk_type chunk_types[] = {
     {ZT__IMAG, 1, ZT__FLAG_CRITICAL, true, false, true, 1, ZT_KIND_IMAGE},
     {ZT__ZPMP, 1, ZT__FLAG_CRITICAL, false, true, false, 2, ZT_KIND_ZIPMAP},
     {ZT__SLMP, 1, ZT__FLAG_CRITICAL, false, true, false, 3, ZT_KIND_SILMAP},
-    {ZT__META, 1, ZT__FLAG_SAFE_TO_COPY, true, false, false, 4, ZT_KIND_IMAGE},
+    {ZT__UMBR, 1, ZT__FLAG_CRITICAL, false, true, false, 4, ZT_KIND_UMBRELLA},
+    {ZT__META, 1, ZT__FLAG_SAFE_TO_COPY, true, false, false, 5, ZT_KIND_IMAGE},
     /* unknown types: ZT__RANK_UNKNOWN */
-    {ZT__TEXL, 1, ZT__FLAG_CRITICAL, false, false, true, 6, ZT_KIND_IMAGE},
+    {ZT__TEXL, 1, ZT__FLAG_CRITICAL, false, false, true, 7, ZT_KIND_IMAGE},
 };
 
 const zt__chunk_type *zt__get_chunk_type(uint32_t i) {
@@ -48,7 +49,7 @@ static void code_bytes(zt__coder *coder, uint8_t *bytes, size_t n) {
         memset(bytes, 0, n);
 }
 
-static void code_u8(zt__coder *coder, uint8_t *v) {
+void zt__code_u8(zt__coder *coder, uint8_t *v) {
     code_bytes(coder, v, 1);
 }
 
@@ -92,8 +93,8 @@ void zt__code_preamble(zt__coder *coder, zt__preamble *p) {
 void zt__code_entry(zt__coder *coder, zt__entry *e) {
     zt__code_u32(coder, &e->type);
     code_u16(coder, &e->version);
-    code_u8(coder, &e->flags);
-    code_u8(coder, &e->codec);
+    zt__code_u8(coder, &e->flags);
+    zt__code_u8(coder, &e->codec);
     zt__code_u64(coder, &e->offset);
     zt__code_u64(coder, &e->stored_size);
     zt__code_u64(coder, &e->decoded_size);
@@ -111,11 +112,11 @@ void zt__code_head(zt__coder *coder, zt__head *h) {
 
 /* section 6.2 */
 void zt__code_plane(zt__coder *coder, zt__plane_header *p) {
-    code_u8(coder, &p->element_size);
-    code_u8(coder, &p->predictor);
-    code_u8(coder, &p->packing);
-    code_u8(coder, &p->codec);
-    code_u8(coder, &p->bit_width);
+    zt__code_u8(coder, &p->element_size);
+    zt__code_u8(coder, &p->predictor);
+    zt__code_u8(coder, &p->packing);
+    zt__code_u8(coder, &p->codec);
+    zt__code_u8(coder, &p->bit_width);
     code_bytes(coder, p->reserved, sizeof p->reserved);
     zt__code_u64(coder, &p->base);
     zt__code_u32(coder, &p->count);
@@ -126,17 +127,17 @@ void zt__code_plane(zt__coder *coder, zt__plane_header *p) {
 /* section 6.3 */
 void zt__code_tile(zt__coder *coder, zt__tile_record *t) {
     zt__code_u32(coder, &t->stored_size);
-    code_u8(coder, &t->codec);
+    zt__code_u8(coder, &t->codec);
     code_bytes(coder, t->reserved, sizeof t->reserved);
     zt__code_u64(coder, &t->hash);
 }
 
 /* section 7 */
 void zt__code_texture(zt__coder *coder, zt__texture_entry *t) {
-    code_u8(coder, &t->kind);
-    code_u8(coder, &t->wrap_u);
-    code_u8(coder, &t->wrap_v);
-    code_u8(coder, &t->wrap_w);
+    zt__code_u8(coder, &t->kind);
+    zt__code_u8(coder, &t->wrap_u);
+    zt__code_u8(coder, &t->wrap_v);
+    zt__code_u8(coder, &t->wrap_w);
     zt__code_u32(coder, &t->layer_count);
     zt__code_u32(coder, &t->name_size);
     zt__code_u32(coder, &t->reserved);
@@ -155,18 +156,18 @@ void zt__code_image(zt__coder *coder, zt__image_record *r) {
     zt__code_u32(coder, &r->height);
     zt__code_u32(coder, &r->depth);
     zt__code_u32(coder, &r->layers);
-    code_u8(coder, &r->levels);
-    code_u8(coder, &r->tile_log2);
-    code_u8(coder, &r->block_width);
-    code_u8(coder, &r->block_height);
-    code_u8(coder, &r->block_bytes);
-    code_u8(coder, &r->alpha_mode);
-    code_u8(coder, &r->layer_kind);
-    code_u8(coder, &r->primaries);
-    code_u8(coder, &r->transfer);
-    code_u8(coder, &r->matrix);
-    code_u8(coder, &r->full_range);
-    code_u8(coder, &r->reserved);
+    zt__code_u8(coder, &r->levels);
+    zt__code_u8(coder, &r->tile_log2);
+    zt__code_u8(coder, &r->block_width);
+    zt__code_u8(coder, &r->block_height);
+    zt__code_u8(coder, &r->block_bytes);
+    zt__code_u8(coder, &r->alpha_mode);
+    zt__code_u8(coder, &r->layer_kind);
+    zt__code_u8(coder, &r->primaries);
+    zt__code_u8(coder, &r->transfer);
+    zt__code_u8(coder, &r->matrix);
+    zt__code_u8(coder, &r->full_range);
+    zt__code_u8(coder, &r->reserved);
 }
 
 /* section 8.3 */

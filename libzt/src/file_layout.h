@@ -38,6 +38,7 @@ extern const uint8_t zt__head_magic[8];
 #define ZT__IMAG ZT__TYPE('I', 'M', 'A', 'G')
 #define ZT__ZPMP ZT__TYPE('Z', 'P', 'M', 'P')
 #define ZT__SLMP ZT__TYPE('S', 'L', 'M', 'P')
+#define ZT__UMBR ZT__TYPE('U', 'M', 'B', 'R')
 #define ZT__META ZT__TYPE('M', 'E', 'T', 'A')
 #define ZT__TEXL ZT__TYPE('T', 'E', 'X', 'L')
 
@@ -53,7 +54,7 @@ typedef struct zt__chunk_type {
     uint8_t kind; /* of the textures whose payload this is; ZT_KIND_IMAGE: it is none */
 } zt__chunk_type;
 
-enum { ZT__RANK_UNKNOWN = 5 };
+enum { ZT__RANK_UNKNOWN = 6 };
 
 const zt__chunk_type *zt__find_chunk_type(uint32_t type);
 /* The i-th row of the table, NULL behind the last. */
@@ -126,6 +127,7 @@ void zt__code_tile(zt__coder *coder, zt__tile_record *t);
 void zt__code_texture(zt__coder *coder, zt__texture_entry *t);
 void zt__code_layer(zt__coder *coder, zt__layer_entry *l);
 void zt__code_plane(zt__coder *coder, zt__plane_header *p);
+void zt__code_u8(zt__coder *coder, uint8_t *v);
 void zt__code_u32(zt__coder *coder, uint32_t *v);
 void zt__code_u64(zt__coder *coder, uint64_t *v);
 

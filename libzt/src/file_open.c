@@ -20,6 +20,7 @@ void zt__limits_fill(zt_limits *limits) {
     DEFAULT(tile_size, UINT32_C(1) << 26);
     DEFAULT(texture_depth, 8);
     DEFAULT(shown_textures, 4096);
+    DEFAULT(listed_umbrellas, 4096);
 #undef DEFAULT
 }
 

@@ -41,7 +41,7 @@ typedef struct zt__texture {
     const char *name;       /* NUL-terminated, in zt_file.names */
     uint32_t first_layer;   /* in zt_file.layers */
     uint32_t payload_chunk; /* directory index; ZT_NONE for images */
-    void *payload;          /* zt__zipmap or zt__silmap, made by texture.c; see zt__texture_hooks */
+    void *payload;          /* zt__zipmap, zt__silmap or zt__umbrellas, made by texture.c; see zt__texture_hooks */
 } zt__texture;
 
 typedef struct zt__metadata {

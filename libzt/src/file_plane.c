@@ -220,19 +220,34 @@ static zt_result decode_elements(zt__sink *sink, zt__decoder *decoder, const zt_
     return ZT_OK;
 }
 
+/* The header and the stored bytes of the plane at the cursor: 5101 to 5103. *offset: of the header in the file. */
+static zt_result take_plane(zt__sink *sink, zt__cursor *in, uint64_t chunk_offset, uint32_t element_size,
+                            uint32_t count, zt__plane_header *h, const uint8_t **stored, uint64_t *offset) {
+    *offset = chunk_offset != ZT__NO_OFFSET ? chunk_offset + in->at : ZT__NO_OFFSET;
+    if (zt__left(in) < ZT__PLANE_HEADER_SIZE)
+        return zt__report(sink, 5103, *offset, "the chunk ends before a plane's header");
+    zt__coder reading = zt__reading(in);
+    zt__code_plane(&reading, h);
+    ZT_TRY(check_header(sink, h, element_size, count, *offset));
+    ZT_TRY(check_size(sink, h, zt__left(in), *offset));
+    *stored = zt__take(in, h->stored_size);
+    return ZT_OK;
+}
+
+zt_result zt__skip_plane(zt__sink *sink, zt__cursor *in, uint64_t chunk_offset, uint32_t element_size, uint32_t count) {
+    zt__plane_header h;
+    const uint8_t *stored;
+    uint64_t offset;
+    return take_plane(sink, in, chunk_offset, element_size, count, &h, &stored, &offset);
+}
+
 zt_result zt__decode_plane(zt__sink *sink, zt__decoder *decoder, zt__cursor *in, uint64_t chunk_offset,
                            uint32_t element_size, uint32_t count, void *dst) {
-    bool known = chunk_offset != ZT__NO_OFFSET;
-    uint64_t offset = known ? chunk_offset + in->at : ZT__NO_OFFSET;
     zt__plane_header h = {0};
-    if (zt__left(in) < ZT__PLANE_HEADER_SIZE)
-        return zt__report(sink, 5103, offset, "the chunk ends before a plane's header");
-    zt__coder reading = zt__reading(in);
-    zt__code_plane(&reading, &h);
-    ZT_TRY(check_header(sink, &h, element_size, count, offset));
-    ZT_TRY(check_size(sink, &h, zt__left(in), offset));
-    const uint8_t *stored = zt__take(in, h.stored_size);
-    uint64_t place = known ? offset + ZT__PLANE_HEADER_SIZE : ZT__NO_OFFSET;
+    const uint8_t *stored;
+    uint64_t offset;
+    ZT_TRY(take_plane(sink, in, chunk_offset, element_size, count, &h, &stored, &offset));
+    uint64_t place = offset != ZT__NO_OFFSET ? offset + ZT__PLANE_HEADER_SIZE : ZT__NO_OFFSET;
     ZT_TRY(decode_elements(sink, decoder, &h, stored, place, dst));
     size_t size = (size_t)count * element_size;
     ZT_RULE(sink, 5105, zt__hash(dst, size) == h.hash, offset, "a plane does not have the hash that is stored for it");

@@ -72,6 +72,17 @@ typedef struct zt__footprint {
     double step[3]; /* the longer derivative, along which the probes lie */
 } zt__footprint;
 
+/* Looks up layer 0 (base) and the other layer that is wanted; either may be NULL. */
+typedef struct zt__colours {
+    float *base, *layer;
+} zt__colours;
+
+/* How a texture that another one shows is looked up, clamped: one kind does not know the others. */
+typedef struct zt__show_texture {
+    void *user;
+    zt_result (*show)(void *user, uint32_t texture, const zt_point *point, zt__colours out);
+} zt__show_texture;
+
 /* Brings a coordinate into [0, 1] by a zt_wrap; false: it is outside of a border. */
 bool zt__wrap_unit(double *u, uint8_t wrap);
 

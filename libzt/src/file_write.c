@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The calls of zt_write.h but those for zipmaps and silmaps. */
+/* The calls of zt_write.h but those for textures with payloads. */
 #include "file_write.h"
 
 #include <errno.h>

@@ -48,8 +48,14 @@ static void mark_shown(const zt__recovery *r, plan *p, uint32_t texture) {
     zt__visit_texture(r->file, texture, ZT_NONE, &visitor);
 }
 
-/* Coverage of kept patches: the mask, or the image of the first layer. */
+/* Coverage of kept patches: the mask, or the image of the first layer; of bases: their images, if they have alpha. */
 static void mark_coverage(zt__recovery *r, uint32_t texture) {
+    const zt__umbrellas *u = zt__umbrellas_of(r->file, texture);
+    for (uint32_t i = 0; u && i < u->header.base_count; i++) {
+        uint32_t source = u->bases[i].source;
+        if (!u->bases[i].shows_texture && r->file->images[source].record.alpha_mode != ZT_ALPHA_NONE)
+            r->coverage[source] = 1;
+    }
     const zt__zipmap *z = zt__zipmap_of(r->file, texture);
     for (uint32_t i = 1; z && i < z->patch_count; i++) {
         if (z->masks[i] != ZT_NONE)
@@ -109,12 +115,31 @@ static zt_result add_silmap(zt__recovery *r, const zt__silmap *s, const zt_textu
     return zt_writer_add_silmap(r->writer, desc, &silmap, r->diag, NULL);
 }
 
+static zt_result add_umbrellas(zt__recovery *r, const plan *p, const zt__umbrellas *u, const zt_texture_desc *desc) {
+    void *block;
+    zt_umbrella_info info = u->view;
+    ZT_TRY(zt__alloc_raw(&r->memory, info.base_count, sizeof *info.bases, r->diag, &block));
+    zt_umbrella_base *bases = block;
+    for (uint32_t i = 0; i < info.base_count; i++) {
+        bases[i] = info.bases[i];
+        bases[i].source = bases[i].shows_texture ? p->places[bases[i].source] : bases[i].source;
+    }
+    info.bases = bases;
+    if (info.background_kind == ZT_BACKGROUND_TEXTURE)
+        info.background_source = p->places[info.background_source];
+    zt_result result = zt_writer_add_umbrellas(r->writer, desc, &info, r->diag, NULL);
+    zt__free(&r->memory, block, info.base_count, sizeof *info.bases);
+    return result;
+}
+
 static zt_result add_texture(zt__recovery *r, const plan *p, uint32_t texture, const zt_texture_desc *desc) {
     switch (r->file->textures[texture].entry.kind) {
     case ZT_KIND_ZIPMAP:
         return add_zipmap(r, p, zt__zipmap_of(r->file, texture), desc);
     case ZT_KIND_SILMAP:
         return add_silmap(r, zt__silmap_of(r->file, texture), desc);
+    case ZT_KIND_UMBRELLA:
+        return add_umbrellas(r, p, zt__umbrellas_of(r->file, texture), desc);
     default:
         return zt_writer_add_texture(r->writer, desc, r->diag, NULL);
     }

@@ -79,3 +79,14 @@ uint32_t zt_get_silmap_minified(const zt_file *file, uint32_t texture, uint32_t 
     const zt__silmap *s = file && texture < file->texture_count ? zt__silmap_of(file, texture) : NULL;
     return s && layer < s->header.layer_count ? s->minified[layer] : ZT_NONE;
 }
+
+zt_result zt_get_umbrellas(const zt_file *file, uint32_t texture, zt_umbrella_info *out) {
+    if (!out)
+        return ZT_BAD_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    const zt__umbrellas *u = file && texture < file->texture_count ? zt__umbrellas_of(file, texture) : NULL;
+    if (!u)
+        return ZT_BAD_ARGUMENT;
+    *out = u->view;
+    return ZT_OK;
+}

@@ -5,6 +5,7 @@
 
 #include "file_open.h"
 #include "silmap_payload.h"
+#include "umbrella_payload.h"
 #include "zipmap_payload.h"
 
 /* Opens and closes payload chunks for zt__walk. */
@@ -14,7 +15,7 @@ extern const zt__payload_hooks zt__texture_hooks;
 typedef struct zt__visitor {
     void *user;
     void (*image)(void *user, uint32_t image);
-    void (*texture)(void *user, uint32_t texture); /* a patch shows it */
+    void (*texture)(void *user, uint32_t texture); /* a patch, base or background shows it */
 } zt__visitor;
 
 /* A kind of textures whose payload is a chunk: what all kinds have in common. */
@@ -50,6 +51,11 @@ static inline const zt__zipmap *zt__zipmap_of(const zt_file *file, uint32_t text
 static inline const zt__silmap *zt__silmap_of(const zt_file *file, uint32_t texture) {
     const zt__texture *t = &file->textures[texture];
     return t->entry.kind == ZT_KIND_SILMAP ? (const zt__silmap *)t->payload : NULL;
+}
+
+static inline const zt__umbrellas *zt__umbrellas_of(const zt_file *file, uint32_t texture) {
+    const zt__texture *t = &file->textures[texture];
+    return t->entry.kind == ZT_KIND_UMBRELLA ? (const zt__umbrellas *)t->payload : NULL;
 }
 
 #endif

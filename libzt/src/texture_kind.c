@@ -82,16 +82,58 @@ static void visit_silmap(const void *payload, uint32_t patch, const zt__visitor 
     }
 }
 
+/* ---- umbrellas -------------------------------------------------------------------------------------- */
+
+static zt_result decode_umbrellas(zt__sink *sink, zt_file *file, zt__decoder *decoder, const uint8_t *data, size_t size,
+                                  const zt__payload_scope *scope, uint64_t offset, void **payload) {
+    zt__umbrellas *umbrellas;
+    zt_result result = zt__decode_umbrellas(sink, &file->memory, decoder, &file->limits, data, size, scope, offset,
+                                            &umbrellas);
+    *payload = umbrellas;
+    return result;
+}
+
+static zt_result encode_umbrellas(zt__encoder *encoder, const void *payload, zt_diag *diag, uint8_t **bytes,
+                                  uint64_t *capacity, size_t *size) {
+    return zt__encode_umbrellas(encoder, payload, diag, bytes, capacity, size);
+}
+
+static uint64_t umbrellas_block_size(const void *payload) {
+    const zt__umbrellas *umbrellas = payload;
+    return umbrellas->block_size;
+}
+
+/* No single image is the layer. */
+static uint32_t umbrellas_image(const void *payload, uint32_t layer) {
+    (void)payload;
+    (void)layer;
+    return ZT_NONE;
+}
+
+static void visit_umbrellas(const void *payload, uint32_t patch, const zt__visitor *v) {
+    const zt__umbrellas *u = payload;
+    (void)patch;
+    for (uint32_t i = 0; i < u->header.base_count; i++)
+        (u->bases[i].shows_texture ? v->texture : v->image)(v->user, u->bases[i].source);
+    if (u->header.background_kind != ZT_BACKGROUND_COLOUR)
+        (u->header.background_kind == ZT_BACKGROUND_TEXTURE ? v->texture : v->image)(v->user,
+                                                                                     u->header.background_source);
+}
+
 /* ---- the table ---------------------------------------------------------------------------------------- */
 
 const zt__kind *zt__kind_of(uint8_t kind) {
     static const zt__kind zipmap = {decode_zipmap, encode_zipmap, zipmap_block_size, zipmap_image, visit_zipmap};
     static const zt__kind silmap = {decode_silmap, encode_silmap, silmap_block_size, silmap_image, visit_silmap};
+    static const zt__kind umbrellas = {decode_umbrellas, encode_umbrellas, umbrellas_block_size, umbrellas_image,
+                                       visit_umbrellas};
     switch (kind) {
     case ZT_KIND_ZIPMAP:
         return &zipmap;
     case ZT_KIND_SILMAP:
         return &silmap;
+    case ZT_KIND_UMBRELLA:
+        return &umbrellas;
     default:
         return NULL;
     }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Samplers: the only place where a lookup meets every kind of texture. A sampler has a node for its texture and one for
- * each earlier texture that patches show, directly or through others; all share one set of images.
+ * each earlier texture that patches, bases or backgrounds show, directly or through others; all share one set of images.
  */
 #include <math.h>
 
 #include "silmap_sample.h"
 #include "texture.h"
+#include "umbrella_sample.h"
 #include "zipmap_sample.h"
 
 enum {
@@ -17,13 +18,14 @@ static const uint8_t clamped[3] = {ZT_WRAP_CLAMP, ZT_WRAP_CLAMP, ZT_WRAP_CLAMP};
 
 typedef struct node {
     uint32_t texture;
-    uint32_t base, layer;                  /* not a zipmap: places in the image set; ZT_NONE: not needed */
+    uint32_t base, layer;                  /* images and silmaps: places in the image set; ZT_NONE: not needed */
     zt__silmap_view base_view, layer_view; /* kind silmap: both with those places */
     const zt__silmap *silmap;              /* NULL: another kind */
     const zt__zipmap *zipmap;              /* NULL: another kind */
     zt__patch_grid *grid;                  /* NULL: the root alone */
     zt__patch_sources *sources;            /* source_count */
     uint32_t source_count;
+    zt__umbrella_view umbrella_view; /* kind umbrellas */
 } node;
 
 struct zt_sampler {
@@ -31,6 +33,7 @@ struct zt_sampler {
     zt__look look;
     uint32_t layer;
     bool root_only;
+    zt__umbrella_light light;
     uint8_t wraps[3];
     bool is_volume;
     uint32_t node_count;
@@ -59,21 +62,36 @@ static const zt__zipmap *shown_zipmap(const gathering *g, uint32_t texture) {
     return z && !(g->sampler->root_only && texture == g->top) ? z : NULL;
 }
 
-/* Marks what a texture's patches show. A texture shows only earlier ones, so going down meets each after all that show
- * it. */
+/* What a texture shows, while its depth is passed on. */
+typedef struct marking {
+    gathering *g;
+    uint32_t depth;
+    bool too_deep;
+} marking;
+
+static void mark_texture(void *user, uint32_t texture) {
+    marking *m = user;
+    uint32_t *shown = &m->g->depths[texture];
+    *shown = zt__max32(*shown, m->depth);
+    m->too_deep = m->depth - 1 > zt__min32(m->g->file->limits.texture_depth, MAX_DEPTH);
+}
+
+static void ignore_image(void *user, uint32_t image) {
+    (void)user;
+    (void)image;
+}
+
+/* Marks what a texture shows. It shows only earlier ones, so going down meets each after all that show it. */
 static zt_result mark_shown(gathering *g, uint32_t texture) {
-    const zt__zipmap *z = shown_zipmap(g, texture);
-    uint32_t depth = g->depths[texture] + 1;
+    marking m = {g, g->depths[texture] + 1, false};
+    zt__visitor visitor = {&m, ignore_image, mark_texture};
     uint32_t most = zt__min32(g->file->limits.texture_depth, MAX_DEPTH);
-    for (uint32_t i = 0; z && i < z->patch_count; i++) {
-        if (z->source_kinds[i] != 1)
-            continue;
-        if (depth - 1 > most)
-            return zt__fail(g->diag, ZT_LIMIT, 1011, ZT__NO_OFFSET, "textures show textures deeper than %u, the limit",
-                            most);
-        uint32_t *shown = &g->depths[z->sources[i]];
-        *shown = zt__max32(*shown, depth);
-    }
+    if (!zt__is_readable(g->file, texture))
+        return zt__bad_argument(g->diag, "a texture that is shown could not be read");
+    zt__visit_texture(g->file, texture, g->sampler->root_only && texture == g->top ? 0 : ZT_NONE, &visitor);
+    if (m.too_deep)
+        return zt__fail(g->diag, ZT_LIMIT, 1011, ZT__NO_OFFSET, "textures show textures deeper than %u, the limit",
+                        most);
     return ZT_OK;
 }
 
@@ -93,9 +111,11 @@ static zt_result find_nodes(gathering *g) {
     for (uint32_t t = 0; t <= g->top; t++) {
         if (g->depths[t] == 0)
             continue;
-        g->sampler->nodes[g->nodes[t]].texture = t;
-        g->sampler->nodes[g->nodes[t]].zipmap = zt__zipmap_of(g->file, t);
-        g->sampler->nodes[g->nodes[t]].silmap = zt__silmap_of(g->file, t);
+        node *n = &g->sampler->nodes[g->nodes[t]];
+        n->texture = t;
+        n->zipmap = zt__zipmap_of(g->file, t);
+        n->silmap = zt__silmap_of(g->file, t);
+        n->umbrella_view.umbrellas = zt__umbrellas_of(g->file, t);
     }
     return ZT_OK;
 }
@@ -137,6 +157,24 @@ static uint32_t layer_slot(gathering *g, const node *n, uint32_t layer, zt__silm
     return view->samples;
 }
 
+/* Umbrellas have one layer, and it is the first one of what they show. */
+static zt_result fill_umbrellas(gathering *g, zt__umbrella_view *v) {
+    const zt_umbrella_info *info = &v->umbrellas->view;
+    void *block;
+    ZT_TRY(zt__alloc_raw(g->memory, info->base_count, sizeof(uint32_t), g->diag, &block));
+    v->sources = block;
+    for (uint32_t i = 0; i < info->base_count; i++) {
+        uint32_t source = info->bases[i].source;
+        v->sources[i] = info->bases[i].shows_texture ? g->nodes[source] : slot_of(g, source);
+    }
+    v->background = ZT_NONE;
+    if (info->background_kind == ZT_BACKGROUND_IMAGE)
+        v->background = slot_of(g, info->background_source);
+    if (info->background_kind == ZT_BACKGROUND_TEXTURE)
+        v->background = g->nodes[info->background_source];
+    return zt__umbrella_scene_open(g->memory, v->umbrellas, g->diag, &v->scene);
+}
+
 static zt_result fill_node(gathering *g, node *n) {
     uint32_t layer = g->sampler->layer;
     /* Behind a patch that shows it, a texture's first layer is also its coverage. */
@@ -144,6 +182,8 @@ static zt_result fill_node(gathering *g, node *n) {
     void *block;
     n->base = ZT_NONE;
     n->layer = ZT_NONE;
+    if (n->umbrella_view.umbrellas)
+        return fill_umbrellas(g, &n->umbrella_view);
     if (!n->zipmap) {
         if (base_wanted)
             n->base = layer_slot(g, n, 0, &n->base_view);
@@ -185,6 +225,20 @@ static zt_result gather_with_scratch(zt_sampler *sampler, uint32_t texture, zt_d
     return result;
 }
 
+static zt_result check_look(const zt_sampler_options *o, zt_diag *diag) {
+    if (o->filter != ZT_FILTER_TRILINEAR && o->filter != ZT_FILTER_BILINEAR && o->filter != ZT_FILTER_NEAREST)
+        return zt__bad_argument(diag, "no such filter");
+    if (o->max_anisotropy > 16)
+        return zt__bad_argument(diag, "max_anisotropy is above 16");
+    if (o->max_anisotropy > 1 && o->filter != ZT_FILTER_TRILINEAR)
+        return zt__bad_argument(diag, "max_anisotropy goes with the trilinear filter only");
+    if (!isfinite(o->light_x) || !isfinite(o->light_y))
+        return zt__bad_argument(diag, "light_x and light_y are finite");
+    if (!(o->shadow >= 0.0 && o->shadow <= 1.0))
+        return zt__bad_argument(diag, "shadow is 0 to 1");
+    return ZT_OK;
+}
+
 static zt_result check_options(const zt_file *file, uint32_t texture, const zt_sampler_options *o, zt_diag *diag) {
     if (!file || texture >= file->texture_count)
         return zt__bad_argument(diag, "no such texture");
@@ -195,13 +249,7 @@ static zt_result check_options(const zt_file *file, uint32_t texture, const zt_s
         return zt__bad_argument(diag, "the texture could not be read");
     if (o->layer >= t->entry.layer_count)
         return zt__bad_argument(diag, "no such layer of the texture");
-    if (o->filter != ZT_FILTER_TRILINEAR && o->filter != ZT_FILTER_BILINEAR && o->filter != ZT_FILTER_NEAREST)
-        return zt__bad_argument(diag, "no such filter");
-    if (o->max_anisotropy > 16)
-        return zt__bad_argument(diag, "max_anisotropy is above 16");
-    if (o->max_anisotropy > 1 && o->filter != ZT_FILTER_TRILINEAR)
-        return zt__bad_argument(diag, "max_anisotropy goes with the trilinear filter only");
-    return ZT_OK;
+    return check_look(o, diag);
 }
 
 zt_result zt_sampler_open(const zt_file *file, uint32_t texture, const zt_sampler_options *options, zt_diag *diag,
@@ -221,6 +269,7 @@ zt_result zt_sampler_open(const zt_file *file, uint32_t texture, const zt_sample
     s->look = (zt__look){o->filter, zt__max32(o->max_anisotropy, 1)};
     s->layer = o->layer;
     s->root_only = o->first_patch_only != 0;
+    s->light = (zt__umbrella_light){o->light_x, o->light_y, o->shadow};
     s->wraps[0] = t->entry.wrap_u;
     s->wraps[1] = t->entry.wrap_v;
     s->wraps[2] = t->entry.wrap_w;
@@ -242,6 +291,9 @@ void zt_sampler_close(zt_sampler *sampler) {
         node *n = &sampler->nodes[i];
         zt__free(memory, n->sources, n->source_count, sizeof(zt__patch_sources));
         zt__free_patch_grid(memory, n->grid);
+        if (n->umbrella_view.umbrellas)
+            zt__free(memory, n->umbrella_view.sources, n->umbrella_view.umbrellas->view.base_count, sizeof(uint32_t));
+        zt__umbrella_scene_close(memory, n->umbrella_view.scene);
     }
     zt__free(memory, sampler->nodes, sampler->node_count, sizeof(node));
     zt__image_set_close(sampler->set);
@@ -266,6 +318,18 @@ static zt_result sample_layer(sampling *s, const node *n, uint32_t slot, const z
     return zt__sample_image_at(&s->call, slot, wraps, point, out);
 }
 
+/* Shadows are those of the sampler's own texture alone. */
+static zt__umbrella_lookup umbrella_lookup(sampling *s, uint32_t index, const uint8_t wraps[3], uint32_t array_layer,
+                                           const zt__show_texture *shower) {
+    const zt_sampler *sampler = s->sampler;
+    return (zt__umbrella_lookup){.call = &s->call,
+                                 .view = &sampler->nodes[index].umbrella_view,
+                                 .show = shower,
+                                 .light = index == 0 && sampler->light.darkness > 0 ? &sampler->light : NULL,
+                                 .wraps = wraps,
+                                 .array_layer = array_layer};
+}
+
 static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3], const zt_point *point,
                              zt__colours out) {
     const node *n = &s->sampler->nodes[index];
@@ -273,6 +337,10 @@ static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3]
     if (n->zipmap) {
         zt__zipmap_view view = {n->zipmap, n->grid, n->sources};
         return zt__sample_zipmap(&s->call, &view, wraps, point, &shower, out);
+    }
+    if (n->umbrella_view.umbrellas) {
+        zt__umbrella_lookup lookup = umbrella_lookup(s, index, wraps, point->array_layer, &shower);
+        return zt__sample_umbrellas(&lookup, point, out.base);
     }
     if (out.base)
         ZT_TRY(sample_layer(s, n, n->base, &n->base_view, wraps, point, out.base));
@@ -322,6 +390,34 @@ zt_result zt_sample(const zt_sampler *sampler, const zt_point *points, size_t co
         s.shown = 0;
         zt__colours wanted = {sampler->layer == 0 ? out : NULL, sampler->layer > 0 ? out : NULL};
         result = sample_node(&s, 0, sampler->wraps, &point, wanted);
+    }
+    zt__decoder_free(&s.call.decoder);
+    return result;
+}
+
+static bool is_finite_ray(const zt_ray *r) {
+    return isfinite(r->u0) && isfinite(r->v0) && isfinite(r->z0) && isfinite(r->u1) && isfinite(r->v1) &&
+           isfinite(r->z1) && isfinite(r->footprint0) && isfinite(r->footprint1);
+}
+
+zt_result zt_sample_rays(const zt_sampler *sampler, const zt_ray *rays, size_t count, zt_hit *out, zt_diag *diag) {
+    zt__begin(diag);
+    if (!sampler || (count > 0 && (!rays || !out)))
+        return zt__bad_argument(diag, "sampler, rays or out is NULL");
+    if (!sampler->nodes[0].umbrella_view.umbrellas)
+        return zt__bad_argument(diag, "the sampler's texture has no umbrellas");
+    sampling s = {.sampler = sampler, .call = {.set = sampler->set, .look = sampler->look, .diag = diag}};
+    zt__show_texture shower = {&s, show};
+    s.call.look.filter = ZT_FILTER_TRILINEAR; /* a ray has no other (umbrella.md section 6) */
+    zt__umbrella_lookup lookup = umbrella_lookup(&s, 0, sampler->wraps, 0, &shower);
+    zt_result result = ZT_OK;
+    zt__decoder_init(&s.call.decoder, zt__memory_of(sampler->file));
+    for (size_t i = 0; i < count && result == ZT_OK; i++) {
+        s.shown = 0;
+        if (is_finite_ray(&rays[i]))
+            result = zt__sample_umbrella_ray(&lookup, &rays[i], &out[i]);
+        else
+            out[i] = zt__umbrella_miss;
     }
     zt__decoder_free(&s.call.decoder);
     return result;

@@ -174,3 +174,135 @@ zt_result zt_writer_add_silmap(zt_writer *writer, const zt_texture_desc *desc, c
         return zt__bad_argument(diag, "the silmap, its cells or its samples are NULL");
     return zt__writer_end(writer, add_silmap(writer, desc, silmap, diag, texture));
 }
+
+/* ---- umbrellas -------------------------------------------------------------------------------------- */
+
+static zt_result check_umbrella_arguments(const zt_umbrella_info *info, zt_diag *diag) {
+    if (!info || !info->levels || !info->list_starts)
+        return zt__bad_argument(diag, "the umbrellas, their levels or list_starts are NULL");
+    if ((info->base_count > 0 && !info->bases) || (info->umbrella_count > 0 && !info->umbrellas) ||
+        (info->base_vertex_count > 0 && !info->base_vertices) ||
+        (info->morph_vertex_count > 0 && !info->morph_vertices) ||
+        (info->variant_colour_count > 0 && !info->variant_colours) ||
+        (info->explicit_vertex_count > 0 && (!info->explicit_vertices || !info->explicit_colours)) ||
+        (info->entry_count > 0 && !info->entries))
+        return zt__bad_argument(diag, "an array of the umbrellas is NULL, and its count is not 0");
+    /* A plane has less than 2^32 bytes. */
+    if (info->explicit_vertex_count > UINT32_MAX / 4 || info->entry_count > UINT32_MAX / 4)
+        return zt__bad_argument(diag, "more than 2^30 - 1 explicit vertices or entries of lists");
+    return ZT_OK;
+}
+
+/* The negative zero means zero (R8303). */
+static zt__umbrella_header umbrella_header(const zt_umbrella_info *info, uint32_t layer_count) {
+    zt__umbrella_header h = {
+        .grid_x = info->grid_x,
+        .grid_y = info->grid_y,
+        .level_count = info->level_count,
+        .base_count = info->base_count,
+        .umbrella_count = info->umbrella_count,
+        .base_vertex_count = info->base_vertex_count,
+        .morph_vertex_count = info->morph_vertex_count,
+        .variant_colour_count = info->variant_colour_count,
+        .explicit_vertex_count = info->explicit_vertex_count,
+        .entry_count = info->entry_count,
+        .colour_mode = zt__byte_of((unsigned)info->colour_mode),
+        .background_kind = zt__byte_of((unsigned)info->background_kind),
+        .background_source = info->background_source,
+        .prism_height = info->prism_height + 0.0F,
+        .taper_start = info->taper_start + 0.0F,
+        .taper_end = info->taper_end + 0.0F,
+        .layer_count = layer_count,
+    };
+    for (int k = 0; k < 4; k++) {
+        h.background[k] = info->background[k] + 0.0F;
+        h.mean[k] = info->mean[k] + 0.0F;
+    }
+    return h;
+}
+
+static void copy_array(void *to, const void *from, size_t size, uint64_t count) {
+    if (count > 0)
+        memcpy(to, from, (size_t)count * size);
+}
+
+/* What link needs; reserved fields become 0. */
+static void fill_umbrellas(zt__umbrellas *u, const zt_umbrella_info *info) {
+    const zt__umbrella_header *h = &u->header;
+    for (uint32_t l = 0; l < h->level_count; l++) {
+        u->levels[l].umbrella_count = info->levels[l].umbrella_count;
+        u->levels[l].bits = info->levels[l].bits;
+    }
+    copy_array(u->bases, info->bases, sizeof *u->bases, h->base_count);
+    for (uint32_t i = 0; i < h->base_count; i++) {
+        u->bases[i].reserved = 0;
+        u->bases[i].first_morph = info->bases[i].first_morph == ZT_NONE ? ZT_NONE : 0;
+    }
+    copy_array(u->umbrellas, info->umbrellas, sizeof *u->umbrellas, h->umbrella_count);
+    for (uint32_t i = 0; i < h->umbrella_count; i++)
+        u->umbrellas[i].reserved = 0;
+    copy_array(u->base_vertices, info->base_vertices, sizeof *u->base_vertices, h->base_vertex_count);
+    copy_array(u->morph_vertices, info->morph_vertices, sizeof *u->morph_vertices, h->morph_vertex_count);
+    copy_array(u->variant_colours, info->variant_colours, sizeof *u->variant_colours, h->variant_colour_count);
+    for (uint32_t i = 0; i < h->variant_colour_count; i++)
+        u->variant_colours[i].reserved = 0;
+}
+
+/* Lists as sizes, which must not go back. They may come from anywhere: entries are read within entry_count. */
+static zt_result fill_lists(zt__umbrellas *u, const zt_umbrella_info *info, zt_diag *diag) {
+    const uint32_t *starts = info->list_starts;
+    if (starts[0] != 0)
+        return zt__bad_argument(diag, "list_starts does not begin with 0");
+    for (uint32_t i = 0; i < u->view.cell_count; i++) {
+        if (starts[i + 1] < starts[i])
+            return zt__bad_argument(diag, "list_starts goes back");
+        u->list_starts[i + 1] = starts[i + 1] - starts[i];
+        u->header.longest_list = zt__max32(u->header.longest_list, u->list_starts[i + 1]);
+    }
+    u->view.longest_list = u->header.longest_list;
+    copy_array(u->entries, info->entries, sizeof *u->entries, info->entry_count);
+    return ZT_OK;
+}
+
+static zt_result make_umbrellas(zt__umbrellas *u, const zt_umbrella_info *info, const zt__payload_scope *scope,
+                                zt__sink *sink, zt_diag *diag) {
+    fill_umbrellas(u, info);
+    ZT_TRY(fill_lists(u, info, diag));
+    ZT_TRY(zt__link_umbrellas(sink, u, scope, ZT__NO_OFFSET));
+    copy_array(u->explicit_vertices, info->explicit_vertices, sizeof *u->explicit_vertices,
+               info->explicit_vertex_count);
+    copy_array(u->explicit_colours, info->explicit_colours, sizeof *u->explicit_colours, u->view.explicit_colour_count);
+    for (uint32_t i = 0; i < u->view.explicit_colour_count; i++)
+        u->explicit_colours[i].reserved = 0;
+    ZT_TRY(zt__link_lists(sink, u, scope, ZT__NO_OFFSET));
+    return zt__check_umbrellas(sink, u, scope, ZT__NO_OFFSET);
+}
+
+static zt_result add_umbrellas(zt_writer *w, const zt_texture_desc *desc, const zt_umbrella_info *info, zt_diag *diag,
+                               uint32_t *texture) {
+    zt__umbrellas *u;
+    uint32_t layer_count;
+    zt__sink sink = zt__write_sink(diag);
+    layers_of(desc, &layer_count);
+    zt__payload_scope scope = scope_of(w, desc, layer_count);
+    zt__umbrella_header header = umbrella_header(info, layer_count);
+    zt__enter(&sink, "texture %u", (unsigned)w->texture_count);
+    ZT_TRY(zt__write_verdict(diag, zt__check_umbrella_header(&sink, &header, &scope, ZT__NO_OFFSET)));
+    ZT_TRY(zt__umbrellas_new(&w->memory, &header, &scope, diag, &u));
+    zt_result r = zt__write_verdict(diag, make_umbrellas(u, info, &scope, &sink, diag));
+    if (r != ZT_OK) {
+        free_payload(w, ZT_KIND_UMBRELLA, u);
+        return r;
+    }
+    return add_texture(w, desc, ZT_KIND_UMBRELLA, u, diag, texture);
+}
+
+zt_result zt_writer_add_umbrellas(zt_writer *writer, const zt_texture_desc *desc, const zt_umbrella_info *info,
+                                  zt_diag *diag, uint32_t *texture) {
+    if (texture)
+        *texture = 0;
+    ZT_TRY(zt__writer_begin(writer, diag));
+    ZT_TRY(check_desc(desc, diag));
+    ZT_TRY(check_umbrella_arguments(info, diag));
+    return zt__writer_end(writer, add_umbrellas(writer, desc, info, diag, texture));
+}

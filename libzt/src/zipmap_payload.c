@@ -35,12 +35,6 @@ static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* ---- memory ------------------------------------------------------------------------------------ */
 
-static uint64_t take_part(uint64_t *size, uint64_t bytes) {
-    uint64_t at = *size;
-    *size = zt__align16(at + bytes);
-    return at;
-}
-
 zt_result zt__zipmap_new(zt__memory *memory, uint32_t patch_count, uint32_t layer_count, zt_diag *diag,
                          zt__zipmap **out) {
     /* Both factors have 32 bits, and the sum stays far below 2^63 for the 2^24 patches and 32 layers of the rules. */
@@ -49,13 +43,13 @@ zt_result zt__zipmap_new(zt__memory *memory, uint32_t patch_count, uint32_t laye
     size_t bytes;
     void *block;
     *out = NULL;
-    take_part(&size, sizeof(zt__zipmap));
-    uint64_t matrices = take_part(&size, n * sizeof(double[9]));
-    uint64_t composed = take_part(&size, n * sizeof(double[9]));
-    uint64_t parents = take_part(&size, n * 4);
-    uint64_t sources = take_part(&size, n * 4 * layer_count);
-    uint64_t masks = take_part(&size, n * 4);
-    uint64_t kinds = take_part(&size, n);
+    zt__take_part(&size, sizeof(zt__zipmap));
+    uint64_t matrices = zt__take_part(&size, n * sizeof(double[9]));
+    uint64_t composed = zt__take_part(&size, n * sizeof(double[9]));
+    uint64_t parents = zt__take_part(&size, n * 4);
+    uint64_t sources = zt__take_part(&size, n * 4 * layer_count);
+    uint64_t masks = zt__take_part(&size, n * 4);
+    uint64_t kinds = zt__take_part(&size, n);
     if (!zt__to_size(size, &bytes))
         return zt__fail(diag, ZT_NO_MEMORY, 0, ZT__NO_OFFSET, "the zipmap is too large");
     ZT_TRY(zt__alloc(memory, 1, bytes, diag, &block));

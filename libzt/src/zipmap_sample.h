@@ -20,17 +20,6 @@ typedef struct zt__zipmap_view {
     const zt__patch_sources *sources; /* of each patch */
 } zt__zipmap_view;
 
-/* Looks up layer 0 (base) and the other layer that is wanted; either may be NULL. */
-typedef struct zt__colours {
-    float *base, *layer;
-} zt__colours;
-
-/* How a patch whose source is a texture is looked up, clamped: zipmaps do not know other kinds. */
-typedef struct zt__show_texture {
-    void *user;
-    zt_result (*show)(void *user, uint32_t texture, const zt_point *point, zt__colours out);
-} zt__show_texture;
-
 zt_result zt__sample_zipmap(zt__sample_call *call, const zt__zipmap_view *view, const uint8_t wraps[3],
                             const zt_point *point, const zt__show_texture *show, zt__colours out);
 

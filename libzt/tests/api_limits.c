@@ -20,7 +20,8 @@ typedef enum field {
     PATCHES,
     TILE_SIZE,
     DEPTH,
-    SHOWN
+    SHOWN,
+    LISTED
 } field;
 
 static void set(zt_limits *limits, field which, uint64_t value) {
@@ -58,6 +59,9 @@ static void set(zt_limits *limits, field which, uint64_t value) {
         break;
     case SHOWN:
         limits->shown_textures = small;
+        break;
+    case LISTED:
+        limits->listed_umbrellas = small;
         break;
     }
 }
@@ -167,7 +171,7 @@ static void test_ends(void) {
     memset(&most, 0xFF, sizeof most);
     CHECK(open_limited(b, &zero, METADATA, &memory, &diag) == ZT_OK);
     CHECK(open_limited(b, &most, METADATA, &memory, &diag) == ZT_OK);
-    for (int i = FILE_SIZE; i <= SHOWN; i++) {
+    for (int i = FILE_SIZE; i <= LISTED; i++) {
         zt_limits one = {0};
         set(&one, (field)i, 1);
         zt_result result = open_limited(b, &one, (field)i, &memory, &diag);
@@ -296,6 +300,9 @@ static uint32_t largest(const char *name, field which) {
         CHECK(zt_get_image(file, i, &image) == ZT_OK);
         found = image.layers > found ? image.layers : found;
     }
+    zt_umbrella_info umbrellas;
+    if (which == LISTED && zt_get_umbrellas(file, 0, &umbrellas) == ZT_OK)
+        found = umbrellas.longest_list;
     if (which == CHUNKS)
         found = info.chunk_count;
     if (which == TEXTURES)
@@ -337,6 +344,7 @@ int main(void) {
     test_field("layers_65536.ztex", LAYERS, 1 << 16, 1006);
     test_field("array_3_layers.ztex", LAYERS, largest("array_3_layers.ztex", LAYERS), 1006);
     test_field("planes_300_patches.ztex", PATCHES, largest("planes_300_patches.ztex", PATCHES), 1007);
+    test_field("umbrella_example.ztex", LISTED, largest("umbrella_example.ztex", LISTED), 1013);
     test_field("meta_raw.ztex", METADATA, metadata_size("meta_raw.ztex"), 1009);
     test_field("meta_zstd.ztex", METADATA, metadata_size("meta_zstd.ztex"), 1009);
     test_field("tiles_edge_16_clipped.ztex", TILE_SIZE, largest_unit("tiles_edge_16_clipped.ztex"), 1008);

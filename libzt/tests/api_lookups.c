@@ -12,38 +12,6 @@ enum { MOST_LAYERS = 32 };
 
 static uint32_t lookups;
 
-/* Reads count numbers of a JSON list; returns what is behind them. */
-static const char *numbers_of(const char *text, double *out, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        char *end;
-        text += strspn(text, "[, ");
-        out[i] = strtod(text, &end);
-        assert(end != text);
-        text = end;
-    }
-    return text;
-}
-
-/* Files follow each other in the list: one is kept open. */
-static const zt_file *file_of(const char *name) {
-    static char open_name[256];
-    static zt_file *file;
-    static blob bytes;
-    zt_diag diag;
-    if (strcmp(open_name, name) == 0)
-        return file;
-    zt_close(file);
-    blob_free(bytes);
-    file = NULL;
-    bytes = (blob){NULL, 0};
-    snprintf(open_name, sizeof open_name, "%s", name);
-    if (!name[0])
-        return NULL;
-    bytes = blob_read(VALID_FOLDER, name);
-    CHECK(zt_open_memory(bytes.data, bytes.size, NULL, &diag, &file) == ZT_OK);
-    return file;
-}
-
 static zt_filter filter_of(const char *line) {
     char text[32];
     string_of(line, "filter", text, sizeof text);
@@ -67,7 +35,7 @@ static void test_lookup(const char *line) {
     zt_diag diag;
     float got[4];
     string_of(line, "file", name, sizeof name);
-    const zt_file *file = file_of(name);
+    const zt_file *file = valid_file(name);
     uint32_t texture = number_of(line, "texture");
     CHECK(zt_get_texture(file, texture, &info) == ZT_OK);
     numbers_of(value_of(line, "at"), at, 6);
@@ -81,6 +49,7 @@ static void test_lookup(const char *line) {
                       .array_layer = number_of(line, "frame")};
     for (uint32_t layer = 0; layer < info.layer_count; layer++) {
         zt_sampler_options options = {.filter = filter_of(line), .layer = layer};
+        light_of(line, &options);
         zt_sampler *sampler;
         layers = numbers_of(layers + strspn(layers, "[], "), expected, 4);
         CHECK(zt_sampler_open(file, texture, &options, &diag, &sampler) == ZT_OK);
@@ -93,7 +62,7 @@ static void test_lookup(const char *line) {
 
 int main(void) {
     uint32_t entries = each_line(VALID_FOLDER "lookups.json", test_lookup);
-    file_of("");
+    valid_file("");
     CHECK(entries > 1000);
     printf("%u entries, %u lookups\n", entries, lookups);
     return test_end();

@@ -75,20 +75,71 @@ static inline uint32_t number_of(const char *line, const char *key) {
     return value ? (uint32_t)strtoul(value, NULL, 10) : 0;
 }
 
-/* Calls test with each line that has an entry; returns their number. */
-static inline uint32_t each_line(const char *path, void test(const char *line)) {
+/* Calls test with each line that has the key (NULL: with all); returns their number. */
+static inline uint32_t each_line_with(const char *path, const char *key, void test(const char *line)) {
     static char line[1 << 16];
     uint32_t count = 0;
     FILE *file = fopen(path, "r");
     assert(file);
     while (fgets(line, sizeof line, file)) {
-        if (value_of(line, "file")) {
+        if (!key || value_of(line, key)) {
             test(line);
             count++;
         }
     }
     fclose(file);
     return count;
+}
+
+/* Of the manifests and lists whose entries have a line each. */
+static inline uint32_t each_line(const char *path, void test(const char *line)) {
+    return each_line_with(path, "file", test);
+}
+
+/* Reads count numbers of a JSON list; returns what is behind them. */
+static inline const char *numbers_of(const char *text, double *out, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        char *end;
+        text += strspn(text, "[, ");
+        out[i] = strtod(text, &end);
+        assert(end != text);
+        text = end;
+    }
+    return text;
+}
+
+/* A file of the corpus by its name. The last one is kept open, for files follow each other in the lists; "" closes it. */
+static inline const zt_file *valid_file(const char *name) {
+    static char open_name[256];
+    static zt_file *file;
+    static blob bytes;
+    zt_diag diag;
+    if (strcmp(open_name, name) == 0)
+        return file;
+    zt_close(file);
+    blob_free(bytes);
+    file = NULL;
+    bytes = (blob){NULL, 0};
+    snprintf(open_name, sizeof open_name, "%s", name);
+    if (!name[0])
+        return NULL;
+    bytes = blob_read(VALID_FOLDER, name);
+    zt_result result = zt_open_memory(bytes.data, bytes.size, NULL, &diag, &file);
+    assert(result == ZT_OK);
+    (void)result;
+    return file;
+}
+
+static inline double real_of(const char *line, const char *key) {
+    const char *value = value_of(line, key);
+    return value ? strtod(value, NULL) : 0;
+}
+
+/* The light of a lookup or a ray, if there is one. */
+static inline void light_of(const char *line, zt_sampler_options *options) {
+    options->light_x = real_of(line, "light_x");
+    options->light_y = real_of(line, "light_y");
+    options->shadow = real_of(line, "shadow");
 }
 
 /* Not for several threads at once. */

@@ -30,7 +30,7 @@ typedef struct author_silmap_input {
      * are exact; they are any numbers. */
     const uint32_t *labels;
     /* Edges that an artist or a vector drawing gives: where there are paths the cuts follow them, and nothing else is cut if
-     * paths_only. Exact: no resampling. */
+     * paths_only (nothing at all if there are none). Exact: no resampling. */
     const author_path *paths;
     size_t path_count;
     int paths_only;
@@ -80,6 +80,23 @@ typedef struct author_silmap_result {
 author_result author_silmap_fit(author_run *run, const author_silmap_input *input, const author_silmap_options *options,
                                 author_silmap_result *out);
 void author_silmap_release(author_silmap_result *result);
+
+/* Where the picture's unit square lies in that of the texture. */
+typedef struct author_silmap_place {
+    double x, y, width, height;
+} author_silmap_place;
+
+/* Hinting: where a drawing best lies, so that most of the length of its edges along the axes is where points can stand. picture: the drawing as it
+ * fills the texture, as for the fit; to be drawn again at *out. Each side goes out by up to half a cell and none comes in: no place
+ * moves by more than that, and what is beyond the texture's sides is cut off. It stays as it is where little would be won. Thin features may
+ * fare worse there: fit both, and keep what author_silmap_is_better says. */
+author_result author_silmap_hint(author_run *run, const author_picture *picture, uint32_t cells_x, uint32_t cells_y,
+                                 int plain, author_silmap_place *out);
+/* Whether a drawing that lies at place was moved at all. */
+int author_silmap_is_moved(const author_silmap_place *place);
+/* Whether a fit shows its original better than another one of the same original, in the same cells: of one channel whose regions are known
+ * by the disagreement, else, and where that is equal, by the PSNR. */
+int author_silmap_is_better(const author_silmap_result *fit, const author_silmap_result *other);
 
 #ifdef __cplusplus
 }

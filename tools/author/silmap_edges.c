@@ -363,7 +363,7 @@ author_result silmap_edges_find(author_run *run, const author_silmap_input *inpu
     job.w = picture->width / job.factor;
     job.h = picture->height / job.factor;
     author_result result = edge_memory(run, &job);
-    if (result == AUTHOR_OK && !(input->path_count && input->paths_only))
+    if (result == AUTHOR_OK && !input->paths_only)
         result = search_picture(run, &job, options);
     for (int pass = 0; pass < 2 && result == AUTHOR_OK; pass++) {
         use_chains(&job, pass);

@@ -15,7 +15,7 @@
 #define POLISH_SWEEPS 2
 #define FIRST_PATIENCE 2 /* before the points are where the picture wants them */
 #define FIRST_CELLS 8    /* of the search for a grid */
-#define NOT_HELD 0.05    /* of a cell's area is wrong: its samples may be mixtures */
+#define NOT_HELD 0.1     /* of a cell's area is wrong: its samples may be mixtures */
 #define DRAWN_SHARE 0.5  /* of the picture is of flat regions: a drawing, whose edges are sure */
 
 static const silmap_pattern judge_pattern = {5, 1};

@@ -11,6 +11,7 @@
  *   silmap_colour  the samples
  *   silmap_polish  for photographs, points that the picture itself decides about
  *   silmap_fit     all together
+ *   silmap_hint    before it all: where a drawing best lies in its texture
  */
 #ifndef ZTEX_AUTHOR_SILMAP_FIT_H
 #define ZTEX_AUTHOR_SILMAP_FIT_H

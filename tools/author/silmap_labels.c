@@ -6,14 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FINE 32 /* squares along a cell, where the original gives as many */
+#define FINEST 64 /* squares along a cell, of paths, */
+#define FINE 32   /* and where the original gives as many */
 #define COARSE 16
 #define MANY_CELLS 20000
 #define JUDGE 37 /* places along a cell; prime, so that they fall between the squares */
 
 /* Squares along a cell. Labels of texels are held exactly if the cells are whole texels. */
 static uint32_t choose_edge(const silmap_truth *truth, const silmap_grid *grid) {
-    uint32_t most = (size_t)grid->w * grid->h > MANY_CELLS ? COARSE : FINE;
+    uint32_t most = (size_t)grid->w * grid->h > MANY_CELLS ? COARSE : truth->edges ? FINEST : FINE;
     uint32_t w = truth->picture->width, h = truth->picture->height;
     if (truth->edges)
         return most;

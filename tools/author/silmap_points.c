@@ -19,7 +19,7 @@
 #define ANYWHERE 7 /* steps that a point may go */
 #define NEARBY 2
 #define FAR 7
-#define FEW 2000  /* cells that there is time for */
+#define FEW 8000  /* cells that there is time for */
 #define REGIONS 4 /* tried for a sample */
 
 typedef struct points_job {

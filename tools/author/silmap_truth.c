@@ -346,6 +346,8 @@ static author_result find_regions(author_run *run, const author_silmap_input *in
     *found = 1;
     if (all_closed(input))
         result = labels_of_paths(run, input, truth);
+    else if (input->paths_only)
+        return *found = 0, AUTHOR_OK;
     else if (input->labels)
         result = labels_given(run, input->labels, truth);
     else if (input->path_count == 0)

@@ -44,7 +44,8 @@ def crops_of(item):
 
 def measure(item, cells, words, keep):
     kind, path, crop = item['words']
-    left = FOLDER / f'{Path(crops_of(item)).name}_{cells}{"_bytes" if words == ["bytes"] else ""}.json'
+    special = [word for word in words if word in ('bytes', 'plain')]
+    left = FOLDER / ('_'.join([Path(crops_of(item)).name, str(cells), *special]) + '.json')
     if keep and left.exists():
         return json.loads(left.read_text(encoding='ascii'))
     run = subprocess.run([PROGRAM, kind, path, str(cells), *crop, *words], capture_output=True, text=True, check=False)
@@ -63,6 +64,8 @@ def jobs_of(items, sizes):
             words = ['equal'] if item['set'] == 'flat' or (item['set'] != 'photo' and size == EQUAL_CELLS) else []
             words += [f'crops={crops_of(item)}'] if size == SHEET_CELLS else []
             yield item, size, cells, words
+            if item['set'] in ('two', 'logo'):
+                yield item, f'{size} plain', cells, ['plain', 'areas']
     for item in items:
         if item['set'] in ('logo', 'flat'):
             yield item, 'bytes', FILE_CELLS, ['bytes']
@@ -104,6 +107,18 @@ def area_table(items, results, size):
         areas = [wrong(figures, method) for method in METHODS]
         lines.append(f'| {item["name"]} | ' + ' | '.join(f'{area:.2f}' for area in areas) +
                      f' | {areas[0] / areas[3]:.2f} | {areas[1] / areas[3]:.2f} | {figures["cut"]} | {figures["thin"]} |')
+    return lines
+
+
+def plain_table(items, results, sizes):
+    """The same where the drawings are not hinted."""
+    lines = ['| input | ' + ' | '.join(f'{size} cells: bilinear / silmap | SDF / silmap' for size in sizes) + ' |', '|---|' + '--:|' * (2 * len(sizes))]
+    for item in two(items):
+        row = [item['name']]
+        for size in sizes:
+            bilinear, field, _, own = (wrong(results[item['name'], f'{size} plain'], method) for method in METHODS)
+            row += [f'{bilinear / own:.2f}', f'{field / own:.2f}']
+        lines.append('| ' + ' | '.join(row) + ' |')
     return lines
 
 
@@ -241,11 +256,19 @@ def intro(sizes):
             'Each contestant is written as a .ztex file without further levels and looked up through `zt_sample`. *bilinear* is a texture whose texels '
             'are means over their squares; *SDF* holds 8 bits over 4 texels to each side, exact distances; *MSDF* three channels of 8 bits over '
             '2 texels to each side, colours changing at corners. Two-region inputs are outlines, known exactly; their silmaps have one channel of '
-            'samples, so 2 bytes a cell in memory. *Wrong* is the area that shows the other side, in 1/10000 of the picture, at places that no '
-            'fit has seen (37 x 37 a cell, 19 x 19 above 64 cells; a bilinear texture is cut at 1/2). dB and SSIM are of the picture as displayed, sRGB-coded, '
+            'samples, so 2 bytes a cell in memory. Outlines and drawings are hinted (`ztex make silmap --hint`): each side goes out by up to half a '
+            'cell, so that edges along the axes lie where a silmap can hold them, if the fit is better so. All contestants get the drawing in that '
+            'place; one table has the areas without it. *Wrong* is the area that shows the other side, in 1/10000 of the picture, at places that no fit has seen (37 x 37 a '
+            'cell; a bilinear texture is cut at 1/2). dB and SSIM are of the picture as displayed, sRGB-coded, '
             'each method with the edge smoothing that it allows; at 64x over 24 blocks of 4 x 4 cells that edges cross, so these figures '
             'are lower for all. The fit of drawings and photographs saw other pixels than those that are compared.', '',
             f'Cells: {", ".join(str(size) for size in sizes)} in each direction, photographs at most {PHOTO_CELLS[128]}.', '']
+
+
+def unmoved(items, results, sizes):
+    """Which drawings are where they were."""
+    stay = [f'{item["name"]} ({size})' for item in items if item['set'] != 'photo' for size in sizes if not results[item['name'], size]['hinted']]
+    return ['', f'Not moved, since hinting would not make them better: {", ".join(stay) if stay else "none"}.']
 
 
 def section(title, table):
@@ -256,9 +279,11 @@ def section(title, table):
 def report(items, results, sizes):
     lines = intro(sizes) + ['## Goals', '', '| goal | |', '|---|---|']
     lines += [f'| {text} | {"pass" if reached else "FAIL"} |' for text, reached in goals(items, results, sizes)]
+    lines += unmoved(items, results, sizes)
     for size in sizes:
         lines += section(f'Two regions: area of disagreement, the same grid of {size}', area_table(items, results, size))
     if two(items):
+        lines += section('Two regions: area of disagreement where drawings are not hinted', plain_table(items, results, sizes))
         lines += section('Two regions: pictures, medians over the inputs', quality_table(items, results, sizes))
     for prefix, text in (('memory', 'in memory'), ('file', 'in the file')):
         if EQUAL_CELLS in sizes:

@@ -88,6 +88,8 @@ void truth_release(truth *t);
 size_t truth_limit(const truth *t, double size);
 /* Linear light, channels interleaved. */
 void truth_render(const truth *t, const window *w, float *out);
+/* Puts the outline or drawing there in the unit square; it is enlarged, so nothing comes in from outside. */
+void truth_place(truth *t, const author_silmap_place *place);
 /* What the fit gets; its texels are not those that are judged. */
 author_picture truth_picture(const truth *t, uint32_t cells);
 

@@ -2,8 +2,9 @@
 /*
  * silmap_bench KIND FILE CELLS LEFT TOP WIDTH [WORD...]: one input at one size, as JSON.
  *
- * KIND is outline, drawing or photo; the crop is that of a drawing. Words: "equal" adds contestants of the silmap's bytes in memory and in
- * the file; "bytes" gives the sizes of the silmap's files alone; "crops=PREFIX" writes a part of each picture at 16x as PPM.
+ * KIND is outline, drawing or photo; the crop is that of a drawing. Outlines and drawings are hinted where that makes the silmap better, for all
+ * contestants alike. Words: "plain" leaves them where they are; "equal" adds contestants of the silmap's bytes in memory and in the file; "bytes" gives the sizes of the silmap's files
+ * alone, "areas" those of disagreement; "crops=PREFIX" writes a part of each picture at 16x as PPM.
  */
 #include <math.h>
 #include <stdio.h>
@@ -25,6 +26,7 @@ enum {
 typedef struct job {
     truth t;
     uint32_t cells;
+    int hinted; /* it has been moved */
     author_silmap_result silmap, uncut;
     window windows[WINDOWS]; /* where there are edges */
     size_t window_count;
@@ -48,11 +50,9 @@ static author_path *paths_of(const shape *s) {
     return paths;
 }
 
-/* The best samples without a cut: only edges that are drawn are cut, and one point is drawn. */
+/* The best samples without a cut: only edges that are drawn are cut, and none is. */
 static void fit_uncut(job *j, author_run *run, const author_picture *picture, const author_silmap_options *options) {
-    static const double point[2] = {0.5, 0.5};
-    author_path path = {.points = point, .count = 1};
-    author_silmap_input input = {.picture = picture, .paths = &path, .path_count = 1, .paths_only = 1};
+    author_silmap_input input = {.picture = picture, .paths_only = 1};
     if (author_silmap_fit(run, &input, options, &j->uncut) != AUTHOR_OK)
         bench_fail("fit", run->error);
     if (j->uncut.cut_cells)
@@ -79,6 +79,27 @@ static void fit(job *j) {
         free((void *)(uintptr_t)paths[0].points);
     free(paths);
     author_picture_release(&picture);
+}
+
+/* As `ztex make silmap --hint` does it: what is fitted moves if it is better so. All contestants get the drawing where it is then. */
+static void try_hint(job *j, truth again) {
+    author_run run = {0};
+    author_silmap_place place;
+    author_picture picture = truth_picture(&j->t, j->cells);
+    if (author_silmap_hint(&run, &picture, j->cells, j->cells, j->t.kind == TRUTH_OUTLINE, &place) != AUTHOR_OK)
+        bench_fail("hint", run.error);
+    author_picture_release(&picture);
+    job moved = {.t = again, .cells = j->cells};
+    truth_place(&moved.t, &place);
+    if (author_silmap_is_moved(&place))
+        fit(&moved);
+    j->hinted = moved.silmap.cells && author_silmap_is_better(&moved.silmap, &j->silmap);
+    author_silmap_release(j->hinted ? &j->silmap : &moved.silmap);
+    truth_release(j->hinted ? &j->t : &moved.t);
+    if (j->hinted) {
+        j->t = moved.t;
+        j->silmap = moved.silmap;
+    }
 }
 
 /* ---- where to look -------------------------------------------------------------------------------------- */
@@ -165,7 +186,7 @@ static void print_zoom(const job *j, method *m, size_t zoom) {
 
 /* Share of the area on the wrong side. The places lie between those of any fit: their number along a cell is prime. */
 static double disagreement(const job *j, method *m) {
-    size_t n = j->cells * (j->cells > 64 ? 19 : 37), wrong = 0;
+    size_t n = j->cells * 37, wrong = 0;
     double d = 1.0 / (double)n;
     uint8_t *wanted = bench_alloc(n, 1), *shown = bench_alloc(n, 1);
     for (size_t y = 0; y < n; y++) {
@@ -272,42 +293,60 @@ static void print_bytes(const job *j) {
     }
 }
 
+static void print_all(job *j, int equal) {
+    choose_windows(j);
+    j->whole = bench_alloc((size_t)WHOLE_ZOOM * WHOLE_ZOOM * j->cells * j->cells, j->t.channels * sizeof *j->whole);
+    truth_render(&j->t, &(window){0, 0, 1, WHOLE_ZOOM * j->cells}, j->whole);
+    crop(j, NULL);
+    for (method_kind kind = METHOD_BILINEAR; kind < METHOD_KINDS; kind++) {
+        if (!takes_part(j, kind))
+            continue;
+        method m = make(j, kind, j->cells);
+        print_method(j, &m, "", 1);
+        crop(j, &m);
+        if (equal && kind == METHOD_SILMAP)
+            print_equal(j, &m);
+        method_release(&m);
+    }
+}
+
+static void print_areas(const job *j) {
+    for (method_kind kind = METHOD_BILINEAR; kind <= METHOD_SILMAP; kind++) {
+        method m = make(j, kind, j->cells);
+        printf(",\"%s\":{\"disagreement\":%.8f}", method_names[kind], disagreement(j, &m));
+        method_release(&m);
+    }
+}
+
+static int has_word(int argc, char **argv, const char *word) {
+    for (int i = 7; i < argc; i++)
+        if (strcmp(argv[i], word) == 0)
+            return 1;
+    return 0;
+}
+
 int main(int argc, char **argv) {
     if (argc < 7)
         bench_fail("usage", "KIND FILE CELLS LEFT TOP WIDTH [WORD...]");
     double crops[3] = {atof(argv[4]), atof(argv[5]), atof(argv[6])};
     job j = {.t = truth_load(argv[1], argv[2], crops), .cells = (uint32_t)atoi(argv[3])};
-    int equal = 0, bytes = 0;
-    for (int i = 7; i < argc; i++) {
-        equal = equal || strcmp(argv[i], "equal") == 0;
-        bytes = bytes || strcmp(argv[i], "bytes") == 0;
+    for (int i = 7; i < argc; i++)
         if (strncmp(argv[i], "crops=", 6) == 0)
             j.crops = argv[i] + 6;
-    }
     fit(&j);
-    printf("{\"cells\":%u,\"cut\":%llu,\"thin\":%llu,\"junction\":%llu", j.cells,
-           (unsigned long long)j.silmap.cut_cells, (unsigned long long)j.silmap.thin_cells,
+    if (j.t.kind != TRUTH_PHOTO && !has_word(argc, argv, "plain"))
+        try_hint(&j, truth_load(argv[1], argv[2], crops));
+    printf("{\"cells\":%u,\"hinted\":%s,\"cut\":%llu,\"thin\":%llu,\"junction\":%llu", j.cells,
+           j.hinted ? "true" : "false", (unsigned long long)j.silmap.cut_cells, (unsigned long long)j.silmap.thin_cells,
            (unsigned long long)j.silmap.junction_cells);
     printf(",\"fit_psnr\":%.3f,\"fit_bilinear\":%.3f,\"fit_disagreement\":%.8f", j.silmap.psnr, j.silmap.bilinear_psnr,
            j.silmap.disagreement);
-    if (bytes)
+    if (has_word(argc, argv, "bytes"))
         print_bytes(&j);
-    else {
-        choose_windows(&j);
-        j.whole = bench_alloc((size_t)WHOLE_ZOOM * WHOLE_ZOOM * j.cells * j.cells, j.t.channels * sizeof *j.whole);
-        truth_render(&j.t, &(window){0, 0, 1, WHOLE_ZOOM * j.cells}, j.whole);
-        crop(&j, NULL);
-        for (method_kind kind = METHOD_BILINEAR; kind < METHOD_KINDS; kind++) {
-            if (!takes_part(&j, kind))
-                continue;
-            method m = make(&j, kind, j.cells);
-            print_method(&j, &m, "", 1);
-            crop(&j, &m);
-            if (equal && kind == METHOD_SILMAP)
-                print_equal(&j, &m);
-            method_release(&m);
-        }
-    }
+    else if (has_word(argc, argv, "areas"))
+        print_areas(&j);
+    else
+        print_all(&j, has_word(argc, argv, "equal"));
     printf("}\n");
     free(j.whole);
     author_silmap_release(&j.silmap);

@@ -77,6 +77,21 @@ void truth_release(truth *t) {
     *t = (truth){0};
 }
 
+void truth_place(truth *t, const author_silmap_place *place) {
+    for (size_t i = 0; i < t->outline.count; i++) {
+        piece *p = &t->outline.pieces[i];
+        p->x0 = place->x + place->width * p->x0;
+        p->x1 = place->x + place->width * p->x1;
+        p->y0 = place->y + place->height * p->y0;
+        p->y1 = place->y + place->height * p->y1;
+    }
+    /* A part of the page that is smaller by as much. */
+    t->crop[0] -= place->x / place->width * t->crop[2];
+    t->crop[1] -= place->y / place->height * t->crop[3];
+    t->crop[2] /= place->width;
+    t->crop[3] /= place->height;
+}
+
 size_t truth_limit(const truth *t, double size) {
     return t->kind == TRUTH_PHOTO ? (size_t)(t->photograph.width * size + 0.5) : SIZE_MAX;
 }
@@ -118,12 +133,13 @@ static void average(cairo_surface_t *surface, const float curve[256], size_t pix
     }
 }
 
-static void render_drawing(const truth *t, const window *w, float *out) {
+/* coded: mixed as displayed, and not in linear light. */
+static void render_drawing(const truth *t, const window *w, int coded, float *out) {
     float curve[256];
     double pixel = w->size / (double)w->pixels;
     size_t pitch = w->pixels * 3, part = w->pixels < STRIP ? w->pixels : STRIP, strips = (w->pixels + part - 1) / part;
     for (int i = 0; i < 256; i++)
-        curve[i] = zt_transfer_decode(SRGB, (float)i / 255);
+        curve[i] = coded ? (float)i / 255 : zt_transfer_decode(SRGB, (float)i / 255);
     for (size_t strip = 0; strip < strips * strips; strip++) {
         /* The last ones overlap those before them. */
         size_t x = strip % strips * part, y = strip / strips * part;
@@ -167,7 +183,7 @@ void truth_render(const truth *t, const window *w, float *out) {
     if (t->kind == TRUTH_OUTLINE)
         shape_coverage(&t->outline, w, out);
     else if (t->kind == TRUTH_DRAWING)
-        render_drawing(t, w, out);
+        render_drawing(t, w, 0, out);
     else
         render_photograph(t, w, out);
 }
@@ -180,6 +196,14 @@ author_picture truth_picture(const truth *t, uint32_t cells) {
         pixels = t->photograph.width / 2;
     author_picture picture = {(uint32_t)pixels, (uint32_t)pixels, t->channels, NULL};
     picture.texels = bench_alloc(pixels * pixels * t->channels, sizeof *picture.texels);
-    truth_render(t, &(window){0, 0, 1, pixels}, picture.texels);
+    window whole = {0, 0, 1, pixels};
+    if (t->kind != TRUTH_DRAWING) {
+        truth_render(t, &whole, picture.texels);
+        return picture;
+    }
+    /* As cairo draws it for ztex. */
+    render_drawing(t, &whole, 1, picture.texels);
+    for (size_t i = 0; i < pixels * pixels * 3; i++)
+        picture.texels[i] = zt_transfer_decode(SRGB, picture.texels[i]);
     return picture;
 }

@@ -88,4 +88,7 @@ printf '\nSee %s/zoom.png, a hundred times closer in twelve steps, and %s/report
 say "Silmaps: a sign, a billboard and a control for a shader, whose edges stay sharp"
 "$python" tools/dev/demo_silmap.py "$out/silmap" "$ztex"
 
+say "Umbrellas: thousands of leaves out of five, from near, from far and in perspective; and all kinds of textures in one file"
+"$python" tools/dev/demo_umbrella.py "$out/umbrellas" "$ztex"
+
 printf '\nSee %s/sheet.png: columns zoom in; rows are the root alone, the zipmap, the whole texture.\n' "$out"

@@ -124,8 +124,8 @@ typedef struct cmd_verb {
 extern const cmd_verb *const cmd_verbs[]; /* verbs.c; ends with NULL */
 
 /* The rows, each defined in the file of its name: `const cmd_verb verb_inspect = {...};` */
-extern const cmd_verb verb_make, verb_make_zipmap, verb_make_silmap, verb_inspect, verb_validate, verb_extract,
-    verb_render, verb_convert, verb_diff, verb_recover, verb_help;
+extern const cmd_verb verb_make, verb_make_zipmap, verb_make_silmap, verb_make_umbrellas, verb_inspect, verb_validate,
+    verb_extract, verb_render, verb_convert, verb_diff, verb_recover, verb_help;
 
 /* ---- the parsed command line -------------------------------------------------------------------- */
 
@@ -203,7 +203,7 @@ void cmd_progress_begin(cmd_progress *progress, const cmd_args *args, const char
 /* For zt_writer_options.progress and zt_check_options.progress with user = the cmd_progress (works with NULL too). Returns 1
  * when interrupted. done is of the part set by cmd_progress_part. */
 int cmd_progress_step(void *progress, double done);
-/* From now on 0 to 1 of cmd_progress_step means from..to of the whole. */
+/* From now on 0 to 1 of cmd_progress_step means from..to of the whole. NULL is allowed. */
 void cmd_progress_part(cmd_progress *progress, double from, double to);
 void cmd_progress_end(cmd_progress *progress); /* clears the line */
 
@@ -267,7 +267,7 @@ int cmd_primaries_number(const char *name);
 const char *cmd_wrap_name(uint32_t wrap);       /* "repeat", "mirror", "clamp", "border" */
 const char *cmd_alpha_name(uint32_t alpha);     /* "none", "straight", "premultiplied" */
 const char *cmd_layer_kind_name(uint32_t kind); /* "array", "cube", "frames" */
-const char *cmd_kind_name(uint32_t kind);       /* "image", "zipmap" */
+const char *cmd_kind_name(uint32_t kind);       /* "image", "zipmap", "silmap", "umbrellas" */
 
 /* ---- JSON ------------------------------------------------------------------------------------------------ */
 

@@ -42,6 +42,22 @@ static void use_patch(convert_job *job, uint32_t texture, const zt_texture_info 
     mask->is_mask = mask->covers = 1;
 }
 
+/* The pictures of bases end where they end, whatever the texture does. */
+static void use_umbrellas(convert_job *job, uint32_t texture, const zt_texture_info *info) {
+    static const uint8_t clamp[3] = {ZT_WRAP_CLAMP, ZT_WRAP_CLAMP, ZT_WRAP_CLAMP};
+    uint8_t wrap[3] = {(uint8_t)info->wrap_u, (uint8_t)info->wrap_v, (uint8_t)info->wrap_w};
+    zt_umbrella_info umbrellas;
+    zt_layer_info row;
+    if (zt_get_umbrellas(job->input.file, texture, &umbrellas) != ZT_OK ||
+        zt_get_layer(job->input.file, texture, 0, &row) != ZT_OK)
+        return;
+    for (uint32_t i = 0; i < umbrellas.base_count; i++)
+        if (!umbrellas.bases[i].shows_texture)
+            use_image(job, umbrellas.bases[i].source, row.semantic, clamp);
+    if (umbrellas.background_kind == ZT_BACKGROUND_IMAGE)
+        use_image(job, umbrellas.background_source, row.semantic, wrap);
+}
+
 static void use_layer(convert_job *job, uint32_t texture, const zt_texture_info *info, uint32_t layer) {
     uint8_t wrap[3] = {(uint8_t)info->wrap_u, (uint8_t)info->wrap_v, (uint8_t)info->wrap_w};
     zt_layer_info row;
@@ -64,6 +80,7 @@ int convert_find_uses(convert_job *job) {
             use_patch(job, t, &info, p);
         for (uint32_t l = 0; patches == 0 && l < info.layer_count; l++)
             use_layer(job, t, &info, l);
+        use_umbrellas(job, t, &info);
     }
     for (uint32_t i = 0; everything && i < job->file.image_count; i++)
         job->uses[i].used = 1;

@@ -12,8 +12,8 @@ static int is_told(const char *key, const json_t *object) {
     static const char *const left_out[] = {"file",       "size",        "offset",       "stored_size", "decoded_size",
                                            "codec",      "stored_hash", "decoded_hash", "unit_offset", "unit_size",
                                            "here",       "box",         "corners",      "finer",       "root_matrix",
-                                           "tile_count", "minor"};
-    static const char *const known[] = {"TEXS", "IMAG", "ZPMP", "SLMP", "META", "TEXL"};
+                                           "tile_count", "minor",       "account"};
+    static const char *const known[] = {"TEXS", "IMAG", "ZPMP", "SLMP", "UMBR", "META", "TEXL"};
     const char *type = json_string_value(json_object_get(object, "type"));
     int unknown_chunk = type != NULL;
     for (size_t i = 0; type && i < sizeof known / sizeof known[0]; i++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Texels: every level of every image that both files have, a band of rows at a time; and the cells of silmaps. */
+/* Texels: every level of every image that both files have, a band of rows at a time; the cells of silmaps, and the
+ * arrays of umbrellas. */
 #include "diff.h"
 
 #include <stdlib.h>
@@ -121,12 +122,58 @@ static void compare_cells(dif_job *job, uint32_t texture) {
         dif_report_error(job, "texels", where, &error);
 }
 
+/* An array of umbrellas: how many bytes differ. */
+static void compare_array(dif_job *job, uint32_t texture, const char *name, const void *a, const void *b,
+                          uint64_t count_a, uint64_t count_b, size_t size) {
+    char where[64];
+    dif_error error = {0};
+    const uint8_t *bytes_a = a, *bytes_b = b;
+    if (count_a != count_b) {
+        cmd_note(job->args, "texture %u: another number of %s, so they were not compared", (unsigned)texture, name);
+        return;
+    }
+    for (size_t i = 0; i < (size_t)count_a * size; i++)
+        error.bytes += bytes_a[i] != bytes_b[i];
+    snprintf(where, sizeof where, "texture %u/%s", (unsigned)texture, name);
+    if (error.bytes > 0)
+        dif_report_error(job, "texels", where, &error);
+}
+
+static void compare_umbrellas(dif_job *job, uint32_t texture) {
+    zt_umbrella_info a, b;
+    if (zt_get_umbrellas(job->a, texture, &a) != ZT_OK || zt_get_umbrellas(job->b, texture, &b) != ZT_OK)
+        return;
+    const struct {
+        const char *name;
+        const void *a, *b;
+        uint64_t count_a, count_b;
+        size_t size;
+    } arrays[] = {
+#define ARRAY(name, member, count) {name, a.member, b.member, a.count, b.count, sizeof *a.member}
+        ARRAY("bases", bases, base_count),
+        ARRAY("base vertices", base_vertices, base_vertex_count),
+        ARRAY("morph vertices", morph_vertices, morph_vertex_count),
+        ARRAY("variant colours", variant_colours, variant_colour_count),
+        ARRAY("umbrellas", umbrellas, umbrella_count),
+        ARRAY("explicit vertices", explicit_vertices, explicit_vertex_count),
+        ARRAY("explicit colours", explicit_colours, explicit_colour_count),
+        ARRAY("list starts", list_starts, cell_count),
+        ARRAY("list entries", entries, entry_count),
+#undef ARRAY
+    };
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        compare_array(job, texture, arrays[i].name, arrays[i].a, arrays[i].b, arrays[i].count_a, arrays[i].count_b,
+                      arrays[i].size);
+}
+
 int dif_texels(dif_job *job) {
     zt_image_info a, b;
     zt_texture_info texture;
     int status = CMD_OK;
-    for (uint32_t i = 0; zt_get_texture(job->a, i, &texture) == ZT_OK; i++)
+    for (uint32_t i = 0; zt_get_texture(job->a, i, &texture) == ZT_OK; i++) {
         compare_cells(job, i);
+        compare_umbrellas(job, i);
+    }
     for (uint32_t i = 0; zt_get_image(job->a, i, &a) == ZT_OK && zt_get_image(job->b, i, &b) == ZT_OK; i++) {
         if (!same_shape(&a, &b)) {
             cmd_note(job->args, "image %u: another size or format, so its texels were not compared", (unsigned)i);

@@ -18,7 +18,8 @@ typedef struct all_job {
     const char *folder;
     json_t **images; /* the scene's description of each, once it has been written */
     json_t *textures;
-    int lost; /* 1: something has no place in a scene */
+    uint8_t *in_bases; /* of each image, 1: umbrellas show it */
+    int lost;          /* 1: something has no place in a scene */
     uint32_t done, total;
     cmd_progress progress;
 } all_job;
@@ -43,16 +44,8 @@ static void plain_name(char dst[STEM], const char *name, uint32_t index) {
         snprintf(dst + at, STEM - at, "%s.t%u", at ? "" : "texture", (unsigned)index);
 }
 
-static char *join(const char *folder, const char *name) {
-    size_t size = strlen(folder) + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path)
-        snprintf(path, size, "%s/%s", folder, name);
-    return path;
-}
-
 /* The type of picture that holds these texels without any change. */
-static const char *exact_type(const extract_part *part) {
+const char *extract_exact_type(const extract_part *part) {
     const zt_format_info *format = part->format;
     int premultiplied = part->info.alpha_mode == ZT_ALPHA_PREMULTIPLIED;
     if (!format->is_float)
@@ -65,7 +58,7 @@ static const char *exact_type(const extract_part *part) {
 /* ---- images --------------------------------------------------------------------------------------------- */
 
 static int write_one(all_job *job, const extract_part *part, const char *name) {
-    char *path = join(job->folder, name);
+    char *path = extract_path(job->folder, name);
     if (!path)
         return cmd_fail(CMD_INTERNAL, "out of memory");
     int status = extract_refusal(part) ? extract_raw(job->args, part, path, &job->progress)
@@ -99,7 +92,7 @@ static json_t *describe(const extract_part *part, json_t *files, int several) {
 
 /* Each slice of each layer has its file. What cannot be a picture is written as bytes and has no description. */
 static int write_files(all_job *job, extract_part *part, const char *stem, json_t *files) {
-    const char *type = extract_refusal(part) ? "bin" : exact_type(part);
+    const char *type = extract_refusal(part) ? "bin" : extract_exact_type(part);
     uint32_t slices = part->info.depth, count = part->info.layers * slices;
     char name[400];
     int status = CMD_OK;
@@ -279,7 +272,7 @@ static int write_silmap(all_job *job, uint32_t texture, uint32_t layer_count, co
             status = write_image(job, image, name);
     }
     snprintf(name, sizeof name, "%s.cells.svg", stem);
-    char *path = join(job->folder, name);
+    char *path = extract_path(job->folder, name);
     if (!path)
         status = cmd_fail(CMD_INTERNAL, "out of memory");
     if (status == CMD_OK)
@@ -291,6 +284,29 @@ static int write_silmap(all_job *job, uint32_t texture, uint32_t layer_count, co
     else
         cmd_output_drop(&output);
     free(path);
+    return status;
+}
+
+/* Nor of what umbrellas are made, only what they are: their bases, with a null, and a drawing of the arrangement. */
+static int write_umbrellas(all_job *job, uint32_t texture, json_t *object, const char *stem) {
+    char name[STEM + 32];
+    zt_umbrella_info info = {0};
+    zt_get_umbrellas(job->input->file, texture, &info);
+    for (uint32_t i = 0; i < info.base_count; i++)
+        if (!info.bases[i].shows_texture)
+            job->in_bases[info.bases[i].source] = 1;
+    snprintf(name, sizeof name, "%s.bases", stem);
+    char *bases = extract_path(job->folder, name);
+    snprintf(name, sizeof name, "%s.svg", stem);
+    char *drawing = extract_path(job->folder, name);
+    int status = bases && drawing ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
+    if (status == CMD_OK)
+        status = extract_bases(job->args, job->input, texture, bases, &job->progress);
+    if (status == CMD_OK)
+        status = extract_arrangement(job->input, texture, 0, drawing);
+    json_object_set_new(object, "umbrellas", json_null());
+    free(bases);
+    free(drawing);
     return status;
 }
 
@@ -315,6 +331,8 @@ static int add_texture(all_job *job, uint32_t texture) {
     }
     if (patches)
         json_object_set_new(object, "patches", patches);
+    else if (info.kind == ZT_KIND_UMBRELLA)
+        status = write_umbrellas(job, texture, object, stem);
     else
         status = add_layers(job, object, texture, info.layer_count, images, stem);
     if (status == CMD_OK && info.kind == ZT_KIND_SILMAP) {
@@ -330,6 +348,13 @@ static int add_texture(all_job *job, uint32_t texture) {
     }
     json_array_append_new(job->textures, object);
     return status;
+}
+
+static uint32_t count_left_out(const all_job *job) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < job->total; i++)
+        count += !job->images[i] && !job->in_bases[i];
+    return count;
 }
 
 /* ---- the rest --------------------------------------------------------------------------------------------- */
@@ -354,7 +379,7 @@ static int add_metadata(const all_job *job, json_t *scene) {
 
 static int write_scene(const all_job *job, const json_t *scene) {
     cmd_output output;
-    char *path = join(job->folder, "scene.json");
+    char *path = extract_path(job->folder, "scene.json");
     int status = path ? cmd_output_open(&output, path, 0) : cmd_fail(CMD_INTERNAL, "out of memory");
     if (status == CMD_OK) {
         status = cmd_json_print(output.stream, scene);
@@ -374,8 +399,12 @@ int extract_all(cmd_args *args, const cmd_input *input, const char *folder) {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return cmd_fail(CMD_IO, "%s: %s", folder, strerror(errno));
     job.images = calloc(info.image_count, sizeof *job.images);
-    if (!job.images)
+    job.in_bases = calloc(info.image_count, sizeof *job.in_bases);
+    if (!job.images || !job.in_bases) {
+        free(job.images);
+        free(job.in_bases);
         return cmd_fail(CMD_INTERNAL, "out of memory");
+    }
     json_t *scene = json_object();
     job.textures = json_array();
     cmd_progress_begin(&job.progress, args, "extracting");
@@ -383,14 +412,16 @@ int extract_all(cmd_args *args, const cmd_input *input, const char *folder) {
     for (uint32_t t = 0; status == CMD_OK && t < info.texture_count; t++)
         status = add_texture(&job, t);
     cmd_progress_end(&job.progress);
-    if (job.done < job.total && status == CMD_OK)
-        cmd_note(args, "%u images that no texture shows are left out", (unsigned)(job.total - job.done));
+    uint32_t left = count_left_out(&job);
+    if (left > 0 && status == CMD_OK)
+        cmd_note(args, "%u images that no texture shows are left out", (unsigned)left);
     json_object_set_new(scene, "textures", job.textures);
     if (status == CMD_OK)
         status = write_scene(&job, scene);
     for (uint32_t i = 0; i < info.image_count; i++)
         json_decref(job.images[i]);
     free(job.images);
+    free(job.in_bases);
     json_decref(scene);
     return status == CMD_OK && job.lost ? CMD_UNSUPPORTED : status;
 }

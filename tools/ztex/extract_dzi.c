@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A texture as a Deep Zoom pyramid: NAME.dzi beside NAME_files/LEVEL/COLUMN_ROW.FORMAT, level 0 being one pixel. Levels that the texture's
- * image has in just this size are taken from it; the others, and all of a zipmap or a silmap, are looked up.
+ * image has in just this size are taken from it; the others, and all of textures of other kinds, are looked up.
  */
 #include "extract.h"
 #include "pick.h"
@@ -282,7 +282,8 @@ static void choose_size(dzi_job *job) {
 }
 
 static int open_texture(dzi_job *job) {
-    zt_layer_info layer;
+    uint32_t image, semantic;
+    zt_image_info seen;
     zt_texture_info info;
     int status = pick_texture(job->input, cmd_text(job->args, "texture"), &job->texture);
     if (status == CMD_OK)
@@ -290,9 +291,13 @@ static int open_texture(dzi_job *job) {
     if (status != CMD_OK)
         return status;
     zt_get_texture(job->input->file, job->texture, &info);
-    if (zt_get_layer(job->input->file, job->texture, job->layer, &layer) != ZT_OK)
+    if (pick_image_of(job->input->file, job->texture, job->layer, &image, &semantic, &seen) != 0)
         return cmd_fail(CMD_INTERNAL, "%s: the texture has no image", job->input->name);
-    status = extract_part_of(job->input->file, job->input->name, layer.image, 0, &job->part);
+    if (image != ZT_NONE)
+        status = extract_part_of(job->input->file, job->input->name, image, 0, &job->part);
+    else
+        job->part = (extract_part){
+            .info = seen, .format = zt_find_format(seen.format), .is_colour = pick_is_colour(semantic)};
     if (status != CMD_OK)
         return status;
     /* What is looked up has 8 bits in sRGB, or as the values are: levels of one picture shall not differ in kind. */

@@ -44,6 +44,14 @@ int extract_part_of(const zt_file *file, const char *name, uint32_t image, uint3
     return CMD_OK;
 }
 
+char *extract_path(const char *folder, const char *name) {
+    size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (path)
+        snprintf(path, size, "%s/%s", folder, name);
+    return path;
+}
+
 const char *extract_refusal(const extract_part *part) {
     if (!part->format)
         return "its texel format is not known";

@@ -3,7 +3,7 @@
 #ifndef ZTEX_INSPECT_H
 #define ZTEX_INSPECT_H
 
-#include "command.h"
+#include "elements.h"
 
 enum { INS_SALVAGED = 256 };
 
@@ -47,6 +47,34 @@ typedef struct ins_cells {
 /* 0, or -1: the texture is no silmap. */
 int ins_silmap(const zt_file *file, uint32_t texture, ins_cells *out);
 const char *ins_filter_name(zt_silmap_filter filter); /* "continuous", ... */
+
+/* What an umbrella texture stores, as the paper counts it and as it is. Words have four bytes. */
+typedef struct ins_umbrellas {
+    zt_umbrella_info info;
+    uint32_t forms[3];      /* umbrellas of each form, all levels */
+    uint64_t paper_words;   /* J, equation 2: pictures, bases, umbrellas of level 0, lists as long as the longest */
+    element_scale scale;    /* of level 0 */
+    double whole_words[3];  /* T, equation 3: a conventional texture as fine as the least, the mean, the finest */
+    uint64_t stored;        /* bytes of the texture's chunk in the file */
+    uint64_t stored_images; /* and of the images that it shows itself */
+} ins_umbrellas;
+
+/* 0, or -1: the texture is no umbrella texture. */
+int ins_umbrellas_of(const zt_file *file, uint32_t texture, ins_umbrellas *out);
+
+/* Entries and the longest of the lists of a level. */
+void ins_lists(const zt_umbrella_info *info, uint32_t level, uint64_t *entries, uint32_t *longest);
+
+const char *ins_ellipsoid_name(unsigned ellipsoid);       /* "flat", ... */
+const char *ins_background_name(zt_background_kind kind); /* "colour", ... */
+const char *ins_mode_name(zt_umbrella_colour_mode mode);  /* "barycentric", ... */
+
+/* inspect_umbrella.c: the two forms of the texture's part. */
+void ins_umbrella_text(const zt_file *file, uint32_t texture);
+json_t *ins_umbrella_json(const zt_file *file, uint32_t texture);
+
+/* Bytes in the file of the chunk that belongs to a texture of this kind; 0: not known. */
+uint64_t ins_stored_chunk(const zt_file *file, uint32_t texture, zt_kind kind, const char *type);
 
 /* 1 when the level begins a unit: it has tiles of its own, or is the first of the tail. */
 int ins_begins_unit(const zt_image_info *image, uint32_t level);

@@ -41,6 +41,19 @@ void ins_image_bytes(const zt_file *file, uint32_t image, uint64_t *decoded, uin
     }
 }
 
+/* The n-th texture of a kind owns the n-th chunk of its type. */
+uint64_t ins_stored_chunk(const zt_file *file, uint32_t texture, zt_kind kind, const char *type) {
+    zt_texture_info info;
+    zt_chunk_info chunk;
+    uint32_t wanted = 0, seen = 0;
+    for (uint32_t i = 0; i < texture && zt_get_texture(file, i, &info) == ZT_OK; i++)
+        wanted += info.kind == kind;
+    for (uint32_t i = 0; zt_get_chunk(file, i, &chunk) == ZT_OK; i++)
+        if (strcmp(chunk.type, type) == 0 && seen++ == wanted)
+            return chunk.stored_size;
+    return 0;
+}
+
 /* ---- silmaps ---------------------------------------------------------------------------------------- */
 
 const char *ins_filter_name(zt_silmap_filter filter) {
@@ -57,26 +70,13 @@ static int is_cut(const zt_silmap_info *info, const uint8_t *cells, uint32_t x, 
            (cells[east] & ZT_SILMAP_WEST) || (cells[south] & ZT_SILMAP_NORTH);
 }
 
-/* The n-th silmap owns the n-th chunk of cells. */
-static uint64_t stored_cells(const zt_file *file, uint32_t texture) {
-    zt_texture_info info;
-    zt_chunk_info chunk;
-    uint32_t wanted = 0, seen = 0;
-    for (uint32_t i = 0; i < texture && zt_get_texture(file, i, &info) == ZT_OK; i++)
-        wanted += info.kind == ZT_KIND_SILMAP;
-    for (uint32_t i = 0; zt_get_chunk(file, i, &chunk) == ZT_OK; i++)
-        if (strcmp(chunk.type, "SLMP") == 0 && seen++ == wanted)
-            return chunk.stored_size;
-    return 0;
-}
-
 int ins_silmap(const zt_file *file, uint32_t texture, ins_cells *out) {
     *out = (ins_cells){0};
     if (zt_get_silmap(file, texture, &out->info) != ZT_OK)
         return -1;
     uint64_t layer = (uint64_t)out->info.cells_x * out->info.cells_y;
     out->memory = layer * out->info.cell_layers;
-    out->stored = stored_cells(file, texture);
+    out->stored = ins_stored_chunk(file, texture, ZT_KIND_SILMAP, "SLMP");
     for (uint32_t l = 0; l < out->info.cell_layers; l++)
         for (uint32_t y = 0; y < out->info.cells_y; y++)
             for (uint32_t x = 0; x < out->info.cells_x; x++)

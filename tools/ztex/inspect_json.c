@@ -152,6 +152,8 @@ static json_t *textures_json(const zt_file *file) {
         json_object_set_new(object, "patches", patches);
         if (info.kind == ZT_KIND_SILMAP)
             json_object_set_new(object, "silmap", silmap_json(file, i, info.layer_count));
+        if (info.kind == ZT_KIND_UMBRELLA)
+            json_object_set_new(object, "umbrellas", ins_umbrella_json(file, i));
         json_array_append_new(array, object);
     }
     return array;

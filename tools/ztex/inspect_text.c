@@ -74,9 +74,10 @@ static void print_layers(const zt_file *file, uint32_t texture, const zt_texture
     zt_layer_info layer;
     for (uint32_t k = 0; k < info->layer_count; k++) {
         zt_get_layer(file, texture, k, &layer);
-        printf("    layer %u: %s, image %u", (unsigned)k,
-               ins_name(cmd_semantic_name(layer.semantic), layer.semantic, number, sizeof number),
-               (unsigned)layer.image);
+        printf("    layer %u: %s", (unsigned)k,
+               ins_name(cmd_semantic_name(layer.semantic), layer.semantic, number, sizeof number));
+        if (layer.image != ZT_NONE)
+            printf(", image %u", (unsigned)layer.image);
         uint32_t minified = zt_get_silmap_minified(file, texture, k);
         if (minified != ZT_NONE)
             printf(", minified %u", (unsigned)minified);
@@ -159,6 +160,7 @@ static void print_textures(const ins_job *job) {
         printf("\n");
         print_layers(job->file, i, &info);
         print_silmap(job->file, i);
+        ins_umbrella_text(job->file, i);
         print_patches(job, i, &info);
     }
 }

@@ -75,7 +75,8 @@ typedef struct make_patch {
     const char *pointer;
 } make_patch;
 
-typedef struct make_silmap make_silmap; /* silmap.h */
+typedef struct make_silmap make_silmap;       /* silmap.h */
+typedef struct make_umbrellas make_umbrellas; /* umbrellas.h */
 
 typedef struct make_texture {
     const char *name;
@@ -85,6 +86,7 @@ typedef struct make_texture {
     uint32_t semantics[MAKE_LAYERS];
     const make_image *images[MAKE_LAYERS]; /* kinds image and silmap */
     const make_silmap *silmap;             /* kind silmap; else NULL */
+    make_umbrellas *umbrellas;             /* kind umbrellas; else NULL */
     make_patch *patches;                   /* kind zipmap; the first is the root */
     uint32_t patch_count;
     const char *pointer;
@@ -241,6 +243,11 @@ int make_rows_read(make_rows *rows, uint32_t z, uint32_t y, uint32_t count, void
 /* store_turn.c: rows y to y + count, four floats a texel. */
 void make_turn_rows(const make_turn *t, const make_rows *rows, uint32_t y, uint32_t count, float *rgba);
 
+/* What later textures and patches must know about an earlier texture: its texels. */
+typedef struct make_size {
+    uint32_t width, height;
+} make_size;
+
 /* store.c: everything into one file. What is known of a patch when it is stored; later patches may have it as their parent. */
 typedef struct make_placed {
     make_parent self;
@@ -278,6 +285,10 @@ void make_treat_end(make_treatment *t); /* NULL is allowed */
 
 /* store.c: a texture for the writer; layers is its memory. images: one for each layer, or NULL where a payload names them. */
 zt_texture_desc make_describe(const make_texture *texture, const uint32_t *images, zt_layer_desc layers[MAKE_LAYERS]);
+/* The first count textures of the scene into the writer. sizes has room for all of the scene. */
+int make_store_textures(make_store *store, uint32_t count, make_size *sizes);
+/* "SCENE: POINTER: ..." of what the writer says; the exit code. */
+int make_fail_writer(const make_scene *scene, const char *pointer, zt_result result, const zt_diag *diag);
 /* Everything into one file. */
 int make_store_scene(cmd_args *args, const make_scene *scene, const char *output, const zt_writer_options *options,
                      cmd_progress *progress);

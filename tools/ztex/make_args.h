@@ -86,6 +86,8 @@ int make_copy_authorship(make_scene *scene, const char *path);
 int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint32_t *semantic, const char **path);
 /* --name, or the name of the picture at path without folder and extension; "" when the format does not allow it. */
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path);
+/* verb_make.c: the pictures that a scene names are originals, which the output must not replace. Returns a cmd_status. */
+int make_check_outputs(const make_scene *scene, const char *output);
 /* --effort, --raw and --no-fsync. */
 zt_writer_options make_writer_options(const cmd_args *args, cmd_progress *progress);
 

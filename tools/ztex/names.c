@@ -37,7 +37,7 @@ static const name_row primaries[] = {{1, "bt709"},    {2, "unspecified"}, {4, "b
 static const name_row wraps[] = {{0, "repeat"}, {1, "mirror"}, {2, "clamp"}, {3, "border"}};
 static const name_row alphas[] = {{0, "none"}, {1, "straight"}, {2, "premultiplied"}};
 static const name_row layer_kinds[] = {{0, "array"}, {1, "cube"}, {2, "frames"}};
-static const name_row kinds[] = {{0, "image"}, {1, "zipmap"}, {2, "silmap"}};
+static const name_row kinds[] = {{0, "image"}, {1, "zipmap"}, {2, "silmap"}, {3, "umbrellas"}};
 
 static const char *name_of(const name_row *rows, size_t count, uint32_t number) {
     for (size_t i = 0; i < count; i++)

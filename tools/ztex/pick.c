@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "pick.h"
+#include "elements.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -78,6 +79,48 @@ int pick_layer(const cmd_input *input, uint32_t texture, const char *text, uint3
     cmd_error("%s: texture %u has no layer '%s'", input->name, (unsigned)texture, text);
     cmd_hint("'ztex inspect' lists the layers of each texture.");
     return CMD_USAGE;
+}
+
+#define TEXELS_MOST 16384 /* a side, of an image that stands for umbrellas */
+
+static uint32_t texels_of(uint32_t cells, double side) {
+    double texels = floor(cells * side + 0.5);
+    return texels < 1 ? 1 : texels > TEXELS_MOST ? TEXELS_MOST : (uint32_t)texels;
+}
+
+static int describe_umbrellas(const zt_file *file, uint32_t texture, zt_image_info *out) {
+    zt_umbrella_info info;
+    element_scale scale;
+    if (zt_get_umbrellas(file, texture, &info) != ZT_OK)
+        return -1;
+    element_scale_of(file, &info, &scale);
+    /* Texels are as wide as high, as cells are. */
+    double longer = info.grid_x > info.grid_y ? info.grid_x : info.grid_y;
+    double side = fmin(fmax(fmax(scale.across[1], scale.down[1]), 1), TEXELS_MOST / longer);
+    int opaque = info.background_kind == ZT_BACKGROUND_COLOUR && info.background[3] >= 1.0f;
+    *out = (zt_image_info){.format = 43, /* R8G8B8A8_SRGB */
+                           .width = texels_of(info.grid_x, side),
+                           .height = texels_of(info.grid_y, side),
+                           .depth = 1,
+                           .layers = 1,
+                           .levels = 1,
+                           .alpha_mode = opaque ? ZT_ALPHA_NONE : ZT_ALPHA_PREMULTIPLIED,
+                           .primaries = 1,
+                           .transfer = 13};
+    return 0;
+}
+
+int pick_image_of(const zt_file *file, uint32_t texture, uint32_t layer, uint32_t *number, uint32_t *semantic,
+                  zt_image_info *out) {
+    zt_layer_info row;
+    if (zt_get_layer(file, texture, layer, &row) != ZT_OK)
+        return -1;
+    *semantic = row.semantic;
+    if (number)
+        *number = row.image;
+    if (row.image == ZT_NONE)
+        return describe_umbrellas(file, texture, out);
+    return zt_get_image(file, row.image, out) == ZT_OK ? 0 : -1;
 }
 
 int pick_numbers(const char *text, double *numbers, size_t count, const char **end) {

@@ -81,6 +81,8 @@ void cmd_progress_begin(cmd_progress *progress, const cmd_args *args, const char
 }
 
 void cmd_progress_part(cmd_progress *progress, double from, double to) {
+    if (!progress)
+        return;
     progress->base = from;
     progress->span = to - from;
 }

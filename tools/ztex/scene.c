@@ -411,29 +411,34 @@ static int read_wrap(make_scene *scene, const json_t *object, const char *pointe
 /* What a texture is follows from its members; 'kind' is for readers. NULL: it is not there. */
 static int check_kind(make_scene *scene, const json_t *object, const char *pointer, const char *kind) {
     int patches = json_object_get(object, "patches") != NULL, silmap = json_object_get(object, "silmap") != NULL;
-    const char *found = patches ? "zipmap" : silmap ? "silmap" : "image";
+    int umbrellas = json_object_get(object, "umbrellas") != NULL;
+    const char *found = patches ? "zipmap" : silmap ? "silmap" : umbrellas ? "umbrellas" : "image";
     const char *at = make_string(scene, "%s/kind", pointer);
     if (!at)
         return CMD_INTERNAL;
-    if (silmap && (patches || json_object_get(object, "image") || json_object_get(object, "layers")))
+    int others = patches || json_object_get(object, "image") || json_object_get(object, "layers");
+    if ((silmap || umbrellas) && (others || silmap == umbrellas))
         return make_complain(scene, pointer,
-                             "'silmap' says what the texture is made of: no 'image', 'layers' or 'patches' beside it");
+                             "'%s' says what the texture is made of: no 'image', 'layers' or 'patches' beside it",
+                             found);
     if (!kind || strcmp(kind, found) == 0)
         return CMD_OK;
     return make_complain(scene, at, "%s",
-                         patches  ? "a texture with 'patches' is a zipmap"
-                         : silmap ? "a texture with 'silmap' is a silmap"
-                                  : "'image', or 'zipmap' together with 'patches'");
+                         patches     ? "a texture with 'patches' is a zipmap"
+                         : silmap    ? "a texture with 'silmap' is a silmap"
+                         : umbrellas ? "a texture with 'umbrellas' is of this kind"
+                                     : "'image', or 'zipmap' together with 'patches'");
 }
 
 static int read_texture(make_scene *scene, const json_t *object, const char *pointer, make_texture *texture) {
-    static const char *const known[] = {"name",   "kind",     "wrap",    "defaults", "image",
-                                        "layers", "semantic", "patches", "silmap",   NULL};
+    static const char *const known[] = {"name",     "kind",    "wrap",   "defaults",  "image", "layers",
+                                        "semantic", "patches", "silmap", "umbrellas", NULL};
     const json_t *name = json_object_get(object, "name");
     const json_t *kind = json_object_get(object, "kind");
     const json_t *patches = json_object_get(object, "patches");
     const json_t *silmap = json_object_get(object, "silmap");
-    const char *at = make_string(scene, "%s/%s", pointer, silmap ? "silmap" : "patches");
+    const json_t *umbrellas = json_object_get(object, "umbrellas");
+    const char *at = make_string(scene, "%s/%s", pointer, silmap ? "silmap" : umbrellas ? "umbrellas" : "patches");
     const char *name_at = make_string(scene, "%s/name", pointer);
     const char *kind_at = make_string(scene, "%s/kind", pointer);
     const char *text = NULL;
@@ -460,6 +465,10 @@ static int read_texture(make_scene *scene, const json_t *object, const char *poi
         return status;
     if (patches)
         return read_patches(scene, patches, at, &defaults, texture);
+    if (umbrellas)
+        status = scene_umbrellas(scene, umbrellas, at, &defaults, texture);
+    if (umbrellas)
+        return status == CMD_OK ? read_semantic(scene, object, pointer, texture) : status;
     if (silmap && !json_object_get(object, "wrap"))
         memset(texture->wrap, ZT_WRAP_CLAMP, sizeof texture->wrap);
     status = silmap ? scene_silmap(scene, silmap, at, &defaults, texture)

@@ -14,6 +14,10 @@ int scene_wholes(make_scene *scene, const json_t *value, const char *pointer, si
                  uint32_t *out);
 int scene_reals(make_scene *scene, const json_t *value, const char *pointer, size_t count, double *out);
 int scene_flag(make_scene *scene, const json_t *value, const char *pointer, int *out);
+/* A member that is one of the words in "a|b|c", or true or false; *out stays when it is not there. */
+int scene_member_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
+                      const char *choices, int *out);
+int scene_member_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out);
 int scene_choice(const char *choices, const char *word); /* position in "a|b|c", or -1 */
 
 /* The members of object that are options of images, into o; members that are not there leave o as it is. */
@@ -23,6 +27,9 @@ int scene_defaults(make_scene *scene, const json_t *object, const char *pointer,
 /* scene_silmap.c: the member "silmap" of a texture, which makes it one. */
 int scene_silmap(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                  make_texture *texture);
+/* scene_umbrellas.c: the member "umbrellas". The texture's wrap is known. */
+int scene_umbrellas(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
+                    make_texture *texture);
 int scene_image(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                 const make_image **out);
 

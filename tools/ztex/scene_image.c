@@ -156,6 +156,27 @@ int scene_flag(make_scene *scene, const json_t *value, const char *pointer, int 
     return CMD_OK;
 }
 
+int scene_member_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
+                      const char *choices, int *out) {
+    const json_t *value = json_object_get(object, name);
+    const char *at = make_string(scene, "%s/%s", pointer, name), *word;
+    if (!at || !value)
+        return at ? CMD_OK : CMD_INTERNAL;
+    int status = scene_text(scene, value, at, &word);
+    if (status != CMD_OK)
+        return status;
+    *out = scene_choice(choices, word);
+    return *out >= 0 ? CMD_OK : make_complain(scene, at, "there is no '%s': one of %s", word, choices);
+}
+
+int scene_member_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out) {
+    const json_t *value = json_object_get(object, name);
+    const char *at = make_string(scene, "%s/%s", pointer, name);
+    if (!at || !value)
+        return at ? CMD_OK : CMD_INTERNAL;
+    return scene_flag(scene, value, at, out);
+}
+
 /* ---- options of images ------------------------------------------------------------------------------------ */
 
 static const char *const option_keys[] = {"format",    "alpha",      "transfer",         "primaries", "levels",

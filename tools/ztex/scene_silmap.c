@@ -35,28 +35,6 @@ static int read_quality(make_scene *scene, const json_t *object, const char *poi
     return CMD_OK;
 }
 
-/* A member that is one of some words; *out stays when it is not there. */
-static int read_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
-                     const char *choices, int *out) {
-    const json_t *value = json_object_get(object, name);
-    const char *at = make_string(scene, "%s/%s", pointer, name), *word;
-    if (!at || !value)
-        return at ? CMD_OK : CMD_INTERNAL;
-    int status = scene_text(scene, value, at, &word);
-    if (status != CMD_OK)
-        return status;
-    *out = scene_choice(choices, word);
-    return *out >= 0 ? CMD_OK : make_complain(scene, at, "there is no '%s': one of %s", word, choices);
-}
-
-static int read_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out) {
-    const json_t *value = json_object_get(object, name);
-    const char *at = make_string(scene, "%s/%s", pointer, name);
-    if (!at || !value)
-        return at ? CMD_OK : CMD_INTERNAL;
-    return scene_flag(scene, value, at, out);
-}
-
 /* The name of a file that is no picture, through what reads those of pictures. */
 static int read_file(make_scene *scene, const json_t *object, const char *pointer, const char *name,
                      const make_options *defaults, const make_image **out) {
@@ -87,6 +65,8 @@ static int read_source(make_scene *scene, const json_t *object, const char *poin
         return make_complain(scene, at, "there is no character in it");
     if (status == CMD_OK)
         status = read_file(scene, object, pointer, "edges", defaults, &edges);
+    if (status == CMD_OK && (font ? texture->images[0]->file_count > 1 : edges && edges->file_count > 1))
+        return make_complain(scene, pointer, "'font' and 'edges' are one file each; frames are those of 'file'");
     if (status == CMD_OK && edges && font)
         return make_complain(scene, pointer, "glyphs have edges of their own: 'edges' is for pictures");
     silmap->edges = edges ? edges->files[0].path : NULL;
@@ -99,13 +79,15 @@ static int read_options(make_scene *scene, const json_t *object, const char *poi
     if (status == CMD_OK)
         status = read_quality(scene, object, pointer, silmap);
     if (status == CMD_OK)
-        status = read_word(scene, object, pointer, "filter", "continuous|sen2004|nearest", &filter);
+        status = scene_member_word(scene, object, pointer, "filter", "continuous|sen2004|nearest", &filter);
     if (status == CMD_OK)
-        status = read_word(scene, object, pointer, "mask", "alpha|brightness", &mask);
+        status = scene_member_word(scene, object, pointer, "mask", "alpha|brightness", &mask);
     if (status == CMD_OK)
-        status = read_flag(scene, object, pointer, "edges_only", &silmap->edges_only);
+        status = scene_member_flag(scene, object, pointer, "edges_only", &silmap->edges_only);
     if (status == CMD_OK)
-        status = read_flag(scene, object, pointer, "minified", &minified);
+        status = scene_member_flag(scene, object, pointer, "hint", &silmap->hint);
+    if (status == CMD_OK)
+        status = scene_member_flag(scene, object, pointer, "minified", &minified);
     silmap->filter = (zt_silmap_filter)filter;
     silmap->mask = (silmap_mask)(mask + 1);
     silmap->no_minified = !minified;
@@ -146,7 +128,7 @@ static int read_layers(make_scene *scene, const json_t *object, const char *poin
 
 int scene_silmap(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                  make_texture *texture) {
-    static const char *const known[] = {"file",    "font",   "text", "edges",    "edges_only", "cells",
+    static const char *const known[] = {"file",    "font",   "text", "edges",    "edges_only", "hint", "cells",
                                         "quality", "filter", "mask", "minified", "layers",     NULL};
     make_silmap *silmap = make_alloc(scene, 1, sizeof *silmap);
     if (!silmap)

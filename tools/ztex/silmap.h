@@ -20,17 +20,27 @@ typedef enum silmap_mask {
     SILMAP_BRIGHTNESS = 2 /* one channel, the brightness as it is coded, times alpha */
 } silmap_mask;
 
+/* Hinting: what a fit gives where the input was drawn, [0], and at the hinted place, [1]. */
+typedef struct silmap_trial {
+    int wanted, moved, kept; /* asked for; another place was found; and it was the better one */
+    double psnr[2], disagreement[2];
+} silmap_trial;
+
 /* What was fitted, for the report. */
 typedef struct silmap_made {
     author_silmap_result result;
     uint32_t width, height; /* of the picture that it was fitted to */
+    author_silmap_place place;
+    silmap_trial trial;
 } silmap_made;
 
-/* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is the font. */
+/* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is the font.
+ * Images of several files are frames of an animation, as many in each layer, or one. */
 struct make_silmap {
     const char *text;  /* UTF-8; NULL: no glyphs */
     const char *edges; /* SVG with an artist's edges, or NULL */
     int edges_only;
+    int hint;                  /* a drawing or glyphs may lie where it suits the cells, if they do look better there */
     uint32_t cells_x, cells_y; /* 0 and 0: by the longer side */
     uint32_t longer;           /* cells along the longer side; 0: SILMAP_CELLS, or what quality needs */
     double quality;            /* dB; 0: none */
@@ -49,20 +59,28 @@ typedef struct silmap_source {
     author_path *paths;
     size_t path_count;
     double *points;
+    author_silmap_place place; /* of the page; of glyphs that of what they are without hinting */
     int plain;                 /* values, no colours */
     img_type type;             /* of the original */
     uint32_t cells_x, cells_y; /* 0 with quality: as many as it needs */
 } silmap_source;
 
-int silmap_source_load(make_store *store, const make_texture *texture, silmap_source *out);
-/* Another layer of the same texture: its picture at a size that suits the cells. */
-int silmap_layer_load(make_store *store, const make_texture *texture, uint32_t layer, const author_silmap_result *fit,
-                      silmap_source *out);
+/* One of a texture's pictures. */
+typedef struct silmap_pick {
+    uint32_t layer;
+    uint32_t frame;            /* a layer of one picture has it in all frames */
+    int keep_alpha;            /* where it is opaque, too: another frame is not */
+    uint32_t cells_x, cells_y; /* that it is to suit; of the first layer 0: it has a wish for cells itself */
+} silmap_pick;
+
+int silmap_source_load(make_store *store, const make_texture *texture, const silmap_pick *pick, silmap_source *out);
+/* The first picture at the place that hinting finds in `from`; without texels where that is no other place. */
+int silmap_source_hint(make_store *store, const make_texture *texture, const silmap_source *from, silmap_source *out);
 void silmap_source_release(silmap_source *source);
 
-/* silmap_layer.c: samples and minified image of a picture in cells that are there: the means over the quadrants. */
-author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_result *cells,
-                               author_picture *samples, author_picture *minified);
+/* silmap_layer.c: samples and minified image of a picture, at its place in cells that are there: the means over the quadrants. */
+author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_place *place,
+                               const author_silmap_result *cells, author_picture *samples, author_picture *minified);
 
 /* silmap_store.c: the texture into the writer. */
 /* width and height: its cells. */

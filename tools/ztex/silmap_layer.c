@@ -7,6 +7,7 @@
 
 typedef struct averaging {
     const author_picture *picture;
+    const author_silmap_place *place;
     const author_silmap_result *cells;
     author_picture *samples;
     double *sums; /* of each sample: the channels, then the weight */
@@ -38,9 +39,13 @@ static void add(const averaging *a, size_t sample, const float *texel) {
 
 static void add_row(const averaging *a, uint32_t row) {
     const author_picture *picture = a->picture;
-    double y = (row + 0.5) / picture->height * a->cells->cells_y;
+    double y = (a->place->y + a->place->height * (row + 0.5) / picture->height) * a->cells->cells_y;
+    if (!(y >= 0 && y < a->cells->cells_y))
+        return;
     for (uint32_t column = 0; column < picture->width; column++) {
-        double x = (column + 0.5) / picture->width * a->cells->cells_x;
+        double x = (a->place->x + a->place->width * (column + 0.5) / picture->width) * a->cells->cells_x;
+        if (!(x >= 0 && x < a->cells->cells_x))
+            continue;
         uint32_t i = (uint32_t)x, j = (uint32_t)y;
         zt_silmap_cell cell = look(a, i, j);
         int quadrant = zt_silmap_quadrant(&cell, x - i, y - j);
@@ -53,8 +58,8 @@ static void add_row(const averaging *a, uint32_t row) {
 static void fill_gap(const averaging *a, size_t sample) {
     const author_picture *picture = a->picture;
     size_t i = sample % a->samples->width, j = sample / a->samples->width;
-    size_t x = (size_t)((double)i / a->cells->cells_x * picture->width);
-    size_t y = (size_t)((double)j / a->cells->cells_y * picture->height);
+    size_t x = (size_t)(((double)i / a->cells->cells_x - a->place->x) / a->place->width * picture->width);
+    size_t y = (size_t)(((double)j / a->cells->cells_y - a->place->y) / a->place->height * picture->height);
     x = x < picture->width ? x : picture->width - 1;
     y = y < picture->height ? y : picture->height - 1;
     add(a, sample, picture->texels + (y * picture->width + x) * picture->channels);
@@ -84,11 +89,11 @@ static void minify_cell(const averaging *a, uint32_t x, uint32_t y, float *to) {
     divide(sum, channels, a->alpha, to);
 }
 
-author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_result *cells,
-                               author_picture *samples, author_picture *minified) {
+author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_place *place,
+                               const author_silmap_result *cells, author_picture *samples, author_picture *minified) {
     uint32_t width = cells->samples.width, height = cells->samples.height, channels = picture->channels;
     size_t count = (size_t)width * height;
-    averaging a = {.picture = picture, .cells = cells, .samples = samples};
+    averaging a = {.picture = picture, .place = place, .cells = cells, .samples = samples};
     a.alpha = channels == 2 || channels == 4 ? (int)channels - 1 : -1;
     *minified = (author_picture){0};
     author_result result = author_picture_create(run, width, height, channels, samples);

@@ -37,6 +37,24 @@ static json_t *cell_json(const author_silmap_result *r, size_t c) {
     return object;
 }
 
+/* null: nobody asked for hinting. */
+static json_t *hint_json(const silmap_trial *trial) {
+    static const char *const places[] = {"plain", "hinted"};
+    json_t *object = trial->wanted ? json_object() : json_null();
+    if (!trial->wanted)
+        return object;
+    json_object_set_new(object, "kept", json_string(places[trial->kept]));
+    for (int i = 0; i < 2; i++) {
+        json_t *figures = i <= trial->moved ? json_object() : json_null();
+        if (i <= trial->moved) {
+            json_object_set_new(figures, "psnr", decibel(trial->psnr[i]));
+            json_object_set_new(figures, "disagreement", json_real(trial->disagreement[i]));
+        }
+        json_object_set_new(object, places[i], figures);
+    }
+    return object;
+}
+
 static int put_json(const telling *report, FILE *stream) {
     const author_silmap_result *r = &report->made->result;
     json_t *object = json_object(), *cells = json_array();
@@ -45,6 +63,9 @@ static int put_json(const telling *report, FILE *stream) {
     json_object_set_new(object, "output", cmd_json_text(report->output));
     json_object_set_new(object, "cells", json_pack("[ii]", (int)r->cells_x, (int)r->cells_y));
     json_object_set_new(object, "fitted_to", json_pack("[ii]", (int)report->made->width, (int)report->made->height));
+    const author_silmap_place *place = &report->made->place;
+    json_object_set_new(object, "place", json_pack("[ffff]", place->x, place->y, place->width, place->height));
+    json_object_set_new(object, "hint", hint_json(&report->made->trial));
     json_object_set_new(object, "psnr", decibel(r->psnr));
     json_object_set_new(object, "bilinear_psnr", decibel(r->bilinear_psnr));
     json_object_set_new(object, "box_psnr", decibel(r->box_psnr));
@@ -135,6 +156,19 @@ static void put_row(FILE *stream, const char *name, int digits, const char *unit
     fputs("</td></tr>\n", stream);
 }
 
+static void put_trial(const silmap_trial *trial, FILE *stream) {
+    if (!trial->wanted)
+        return;
+    fprintf(stream, "<tr><td>place</td><td class=\"n\">%s</td></tr>\n",
+            trial->kept    ? "hinted"
+            : trial->moved ? "as drawn: hinted it would be worse"
+                           : "as drawn: hinting finds no better one");
+    if (!trial->moved)
+        return;
+    put_row(stream, trial->kept ? "PSNR where it was drawn" : "PSNR if hinted", 2, " dB", trial->psnr[!trial->kept]);
+    put_row(stream, "and area that shows another region", 3, " %", 100 * trial->disagreement[!trial->kept]);
+}
+
 static void put_figures(const telling *report, FILE *stream) {
     const author_silmap_result *r = &report->made->result;
     double cells = (double)r->cells_x * r->cells_y;
@@ -147,6 +181,7 @@ static void put_figures(const telling *report, FILE *stream) {
     put_row(stream, "of a bilinear texture of the same grid, texels by least squares", 2, " dB", r->bilinear_psnr);
     put_row(stream, "of one whose texels are means, as usual", 2, " dB", r->box_psnr);
     put_row(stream, "area that shows another region than the original", 3, " %", 100 * r->disagreement);
+    put_trial(&report->made->trial, stream);
     put_row(stream, "cells with an edge", 0, "", (double)r->cut_cells);
     put_row(stream, "that is, of all cells", 1, " %", 100 * (double)r->cut_cells / cells);
     put_row(stream, "cells with a feature thinner than themselves", 0, "", (double)r->thin_cells);

@@ -5,10 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
-#include "module.h"
-#include "vector_module.h"
+#include "drawing.h"
+#include "make_author.h"
 
 #define CELL_TEXELS 16      /* of a drawing, along a side */
 #define CELL_TEXELS_LEAST 4 /* when there are many cells */
@@ -26,25 +25,15 @@ typedef struct loading {
     const make_silmap *silmap;
     const make_image *image;
     uint32_t semantic;
+    int animated;   /* the picture is one of several */
+    int keep_alpha; /* where it is opaque, too */
     const vector_module *vector;
     silmap_source *out;
-    char error[MODULE_ERROR > VECTOR_ERROR ? MODULE_ERROR : VECTOR_ERROR];
+    char error[DRAWING_ERROR];
 } loading;
 
 static int fail(const loading *l, const char *path) {
     return make_fail_picture(l->store, l->image, path, l->error);
-}
-
-static int load_module(loading *l) {
-    l->vector = module_load(VECTOR_MODULE_FILE, VECTOR_MODULE_SYMBOL, l->error);
-    if (!l->vector || l->vector->size == sizeof *l->vector)
-        return l->vector ? CMD_OK : cmd_fail(CMD_IO, "%s", l->error);
-    return cmd_fail(CMD_IO, "%s is of another version", VECTOR_MODULE_FILE);
-}
-
-static int is_drawing(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && (strcasecmp(dot, ".svg") == 0 || strcasecmp(dot, ".svgz") == 0);
 }
 
 /* Values as they are, or colours? */
@@ -121,6 +110,23 @@ static int create(loading *l, uint32_t width, uint32_t height, uint32_t channels
     return cmd_fail(CMD_INTERNAL, "%s: out of memory", l->image->files[0].path);
 }
 
+/* ---- hinting ------------------------------------------------------------------------------------------------ */
+
+static int check_hint(const loading *l) {
+    const char *path = l->image->files[0].path, *why = NULL;
+    if (!l->silmap->text && !drawing_is_one(path))
+        why = "it moves drawings and glyphs, and this is a picture";
+    else if (l->silmap->quality > 0)
+        why = "it needs a number of cells, and a quality says something else";
+    else if (l->animated)
+        why = "frames would move against each other";
+    else if (l->texture->wrap[0] == ZT_WRAP_REPEAT || l->texture->wrap[1] == ZT_WRAP_REPEAT)
+        why = "it moves the sides of a drawing, which have to meet where the texture repeats";
+    if (!why || !l->silmap->hint)
+        return CMD_OK;
+    return make_complain(l->store->scene, l->texture->pointer, "%s cannot be hinted: %s", path, why);
+}
+
 /* ---- drawings ----------------------------------------------------------------------------------------------- */
 
 static float brightness(const float rgb[3]) {
@@ -151,8 +157,9 @@ static int take_pixels(loading *l, const uint8_t *rgba, uint32_t width, uint32_t
         light[i] = zt_transfer_decode(13, (float)i / 255.0f);
     for (size_t i = 0; i < count; i++)
         clear += rgba[4 * i + 3] < OPAQUE;
-    uint32_t channels = l->silmap->mask != SILMAP_COLOURS ? 1 : clear && make_is_colour(l->semantic) ? 4 : 3;
-    if (l->silmap->mask == SILMAP_ALPHA && !clear)
+    int alpha = (clear || l->keep_alpha) && make_is_colour(l->semantic);
+    uint32_t channels = l->silmap->mask != SILMAP_COLOURS ? 1 : alpha ? 4 : 3;
+    if (l->silmap->mask == SILMAP_ALPHA && !clear && !l->animated && !author_silmap_is_moved(&l->out->place))
         return make_complain(l->store->scene, l->texture->pointer,
                              "%s is opaque all over: a mask of its alpha would be white. Its brightness may be meant",
                              l->image->files[0].path);
@@ -163,15 +170,19 @@ static int take_pixels(loading *l, const uint8_t *rgba, uint32_t width, uint32_t
 }
 
 static int open_drawing(loading *l, const char *path, int edges, vector_drawing **out) {
-    void *data = NULL;
-    size_t size = 0;
-    *out = NULL;
-    int status = load_module(l);
-    if (status == CMD_OK)
-        status = cmd_read_all(l->store->args, path, 0, &data, &size);
-    if (status == CMD_OK && l->vector->drawing_open(data, size, edges, out, l->error))
+    int status = drawing_open(l->store->args, path, edges, &l->vector, out, l->error);
+    return status == CMD_INVALID ? fail(l, path) : status;
+}
+
+static int draw(loading *l, const vector_drawing *drawing, uint32_t width, uint32_t height) {
+    const char *path = l->image->files[0].path;
+    uint8_t *rgba = malloc((size_t)width * height * 4);
+    int status = rgba ? CMD_OK : cmd_fail(CMD_INTERNAL, "%s: out of memory", path);
+    if (status == CMD_OK && l->vector->drawing_render(drawing, width, height, rgba, l->error))
         status = fail(l, path);
-    free(data);
+    if (status == CMD_OK)
+        status = take_pixels(l, rgba, width, height);
+    free(rgba);
     return status;
 }
 
@@ -186,15 +197,10 @@ static int load_drawing(loading *l) {
     l->vector->drawing_size(drawing, &w, &h);
     if (l->out->cells_x == 0)
         choose_cells(l->silmap, w, h, l->out);
+    l->vector->drawing_place(drawing, &l->out->place);
     status = choose_pixels(l, w / h, &width, &height);
-    uint8_t *rgba = status == CMD_OK ? malloc((size_t)width * height * 4) : NULL;
-    if (status == CMD_OK && !rgba)
-        status = cmd_fail(CMD_INTERNAL, "%s: out of memory", path);
-    if (status == CMD_OK && l->vector->drawing_render(drawing, width, height, rgba, l->error))
-        status = fail(l, path);
     if (status == CMD_OK)
-        status = take_pixels(l, rgba, width, height);
-    free(rgba);
+        status = draw(l, drawing, width, height);
     l->vector->drawing_close(drawing);
     return status;
 }
@@ -223,31 +229,41 @@ static void choose_margins(const loading *l, double width, double height, double
     margin[1] = cell / (height + 2 * cell);
 }
 
+static int render_text(loading *l, const vector_text *text, const author_silmap_place *box) {
+    author_picture *picture = &l->out->picture;
+    size_t count = (size_t)picture->width * picture->height;
+    uint8_t *coverage = malloc(count + 1);
+    int status = coverage ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
+    if (status == CMD_OK && l->vector->text_render(text, box, picture->width, picture->height, coverage, l->error))
+        status = fail(l, l->image->files[0].path);
+    for (size_t i = 0; status == CMD_OK && i < count; i++)
+        picture->texels[i] = (float)coverage[i] / 255.0f;
+    free(coverage);
+    return status;
+}
+
 static int outline_text(loading *l, const vector_text *text) {
     double w, h, margin[2];
     uint32_t width, height;
     vector_paths paths;
     l->vector->text_size(text, &w, &h);
     choose_margins(l, w, h, margin);
+    const author_silmap_place *place = &l->out->place;
+    author_silmap_place box = {place->x + place->width * margin[0], place->y + place->height * margin[1],
+                               place->width * (1 - 2 * margin[0]), place->height * (1 - 2 * margin[1])};
+    l->out->plain = 1;
     int status = choose_pixels(l, w / h, &width, &height);
     if (status == CMD_OK)
         status = create(l, width, height, 1);
-    size_t count = status == CMD_OK ? (size_t)width * height : 0;
-    uint8_t *coverage = malloc(count + 1);
-    if (status == CMD_OK && !coverage)
-        status = cmd_fail(CMD_INTERNAL, "out of memory");
-    if (status == CMD_OK && (l->vector->text_render(text, width, height, margin[0], margin[1], coverage, l->error) ||
-                             l->vector->text_paths(text, margin[0], margin[1], flatness(l->out), &paths, l->error)))
-        status = fail(l, l->image->files[0].path);
-    for (size_t i = 0; status == CMD_OK && i < count; i++)
-        l->out->picture.texels[i] = (float)coverage[i] / 255.0f;
-    free(coverage);
+    if (status == CMD_OK)
+        status = render_text(l, text, &box);
     if (status != CMD_OK)
         return status;
+    if (l->vector->text_paths(text, &box, flatness(l->out), &paths, l->error))
+        return fail(l, l->image->files[0].path);
     l->out->paths = paths.paths;
     l->out->path_count = paths.count;
     l->out->points = paths.points;
-    l->out->plain = 1;
     return CMD_OK;
 }
 
@@ -257,7 +273,8 @@ static int load_text(loading *l) {
     size_t count, size = 0;
     void *font = NULL;
     vector_text *text = NULL;
-    int status = load_module(l);
+    l->vector = drawing_module();
+    int status = l->vector ? CMD_OK : CMD_IO;
     if (status == CMD_OK)
         status = read_characters(l, characters, &count);
     if (status == CMD_OK)
@@ -298,6 +315,21 @@ static int is_opaque(const author_picture *picture) {
     return 1;
 }
 
+/* An alpha of 1 behind the other channels. */
+static int add_alpha(loading *l) {
+    author_picture opaque = l->out->picture;
+    l->out->picture = (author_picture){0};
+    int status = create(l, opaque.width, opaque.height, opaque.channels + 1);
+    size_t count = status == CMD_OK ? (size_t)opaque.width * opaque.height : 0;
+    float *to = l->out->picture.texels;
+    for (size_t i = 0; i < count; i++, to += opaque.channels + 1) {
+        memcpy(to, opaque.texels + i * opaque.channels, opaque.channels * sizeof *to);
+        to[opaque.channels] = 1.0f;
+    }
+    author_picture_release(&opaque);
+    return status;
+}
+
 static int load_picture(loading *l) {
     author_picture *picture = &l->out->picture;
     silmap_mask mask = l->silmap->mask;
@@ -314,11 +346,13 @@ static int load_picture(loading *l) {
                              "%s has no alpha to make a mask of. Its brightness may be meant", l->image->files[0].path);
     if (mask != SILMAP_COLOURS)
         narrow(picture, 1, mask);
-    else if (has_alpha && make_is_colour(l->semantic) && is_opaque(picture))
+    else if (has_alpha && !l->keep_alpha && make_is_colour(l->semantic) && is_opaque(picture))
         narrow(picture, picture->channels - 1, mask);
+    else if (!has_alpha && l->keep_alpha && picture->channels % 2 == 1)
+        status = add_alpha(l);
     if (l->out->cells_x == 0)
         choose_cells(l->silmap, picture->width, picture->height, l->out);
-    return CMD_OK;
+    return status;
 }
 
 /* ---- edges --------------------------------------------------------------------------------------------------- */
@@ -336,6 +370,7 @@ static int load_edges(loading *l) {
     if (fabs(ratio - 1) > RATIO_OFF)
         cmd_warn(l->store->args, "%s is %g x %g, the picture %u x %u: its lines are stretched to fit", path, w, h,
                  (unsigned)l->out->picture.width, (unsigned)l->out->picture.height);
+    l->vector->drawing_place(drawing, &l->out->place);
     if (l->vector->drawing_paths(drawing, flatness(l->out), &paths, l->error))
         status = fail(l, path);
     l->vector->drawing_close(drawing);
@@ -363,39 +398,48 @@ static int load_any(loading *l) {
     l->out->plain = is_plain(l);
     if (l->silmap->text)
         return load_text(l);
-    return is_drawing(l->image->files[0].path) ? load_drawing(l) : load_picture(l);
+    return drawing_is_one(l->image->files[0].path) ? load_drawing(l) : load_picture(l);
 }
 
-int silmap_source_load(make_store *store, const make_texture *texture, silmap_source *out) {
+static int load_at(make_store *store, const make_texture *texture, const silmap_pick *pick,
+                   const author_silmap_place *place, silmap_source *out) {
+    static const make_silmap colours = {0};
+    const make_image *all = texture->images[pick->layer];
+    make_image image = *all;
+    image.files += pick->frame < all->file_count ? pick->frame : 0;
+    image.file_count = 1;
     loading l = {.store = store,
                  .texture = texture,
-                 .silmap = texture->silmap,
-                 .image = texture->images[0],
-                 .semantic = texture->semantics[0],
+                 .silmap = pick->layer ? &colours : texture->silmap,
+                 .image = &image,
+                 .semantic = texture->semantics[pick->layer],
+                 .animated = all->file_count > 1,
+                 .keep_alpha = pick->keep_alpha,
                  .out = out};
-    *out = (silmap_source){0};
-    int status = load_any(&l);
-    if (status == CMD_OK && texture->silmap->edges)
+    *out = (silmap_source){.place = *place, .cells_x = pick->cells_x, .cells_y = pick->cells_y};
+    int status = check_hint(&l);
+    if (status == CMD_OK)
+        status = load_any(&l);
+    if (status == CMD_OK && l.silmap->edges)
         status = load_edges(&l);
     if (status != CMD_OK)
         silmap_source_release(out);
     return status;
 }
 
-int silmap_layer_load(make_store *store, const make_texture *texture, uint32_t layer, const author_silmap_result *fit,
-                      silmap_source *out) {
-    static const make_silmap colours = {0};
-    loading l = {.store = store,
-                 .texture = texture,
-                 .silmap = &colours,
-                 .image = texture->images[layer],
-                 .semantic = texture->semantics[layer],
-                 .out = out};
-    *out = (silmap_source){.cells_x = fit->cells_x, .cells_y = fit->cells_y};
-    int status = load_any(&l);
-    if (status != CMD_OK)
-        silmap_source_release(out);
-    return status;
+int silmap_source_load(make_store *store, const make_texture *texture, const silmap_pick *pick, silmap_source *out) {
+    return load_at(store, texture, pick, &(author_silmap_place){0, 0, 1, 1}, out);
+}
+
+int silmap_source_hint(make_store *store, const make_texture *texture, const silmap_source *from, silmap_source *out) {
+    author_run run = {0};
+    author_silmap_place place;
+    *out = (silmap_source){0};
+    int status = make_author_status(
+        author_silmap_hint(&run, &from->picture, from->cells_x, from->cells_y, from->plain, &place), &run);
+    if (status != CMD_OK || !author_silmap_is_moved(&place))
+        return status;
+    return load_at(store, texture, &(silmap_pick){0}, &place, out);
 }
 
 void silmap_source_release(silmap_source *source) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A silmap into the writer: the fit, then samples and minified image of each layer, then the cells. */
+/* A silmap into the writer, frame by frame: the fit, then samples and minified image of each layer; at last the cells. */
 #include "silmap.h"
 
 #include <stdlib.h>
@@ -7,11 +7,7 @@
 
 #include "make_author.h"
 
-typedef struct storing {
-    make_store *store;
-    const make_texture *texture;
-    uint32_t samples[MAKE_LAYERS], minified[MAKE_LAYERS];
-} storing;
+#define FRAMES (1 << 16) /* the format's limit on layers of cells */
 
 /* How the texels of a layer are kept. */
 typedef struct coding {
@@ -20,6 +16,26 @@ typedef struct coding {
     uint32_t transfer, primaries;
     int alpha_channel; /* of the picture, or -1 */
 } coding;
+
+typedef struct storing {
+    make_store *store;
+    const make_texture *texture;
+    silmap_trial trial;
+    uint32_t frames;             /* 1: no animation */
+    zt_layer_kind kind;          /* of several */
+    int keep_alpha[MAKE_LAYERS]; /* one of its frames is not opaque */
+    coding codings[MAKE_LAYERS];
+    uint32_t samples[MAKE_LAYERS], minified[MAKE_LAYERS]; /* images of the writer */
+    uint8_t *cells;                                       /* of all frames that have been fitted */
+    int differ;                                           /* these cells do */
+    uint64_t thin_cells;
+} storing;
+
+/* What a frame is made of, and its cells. */
+typedef struct fitted {
+    silmap_source source;
+    author_silmap_result cells;
+} fitted;
 
 /* ---- formats ------------------------------------------------------------------------------------------------ */
 
@@ -35,7 +51,8 @@ static int fail_writer(const storing *s, zt_result result, const zt_diag *diag) 
     return cmd_fail_result(name, result, diag);
 }
 
-static int choose_coding(const storing *s, uint32_t layer, const silmap_source *source, coding *c) {
+static int choose_coding(storing *s, uint32_t layer, const silmap_source *source) {
+    coding *c = &s->codings[layer];
     const make_options *o = &s->texture->images[layer]->options;
     int colour = !source->plain, channels = (int)source->picture.channels;
     int has_alpha = colour && (channels == 2 || channels == 4);
@@ -96,13 +113,16 @@ static int put_rows(const storing *s, const coding *c, const author_picture *pic
 }
 
 /* levels 0: all */
-static int put_image(const storing *s, uint32_t layer, const coding *c, const author_picture *picture, uint32_t levels,
+static int add_image(const storing *s, uint32_t layer, const author_picture *picture, uint32_t levels,
                      uint32_t *image) {
+    const coding *c = &s->codings[layer];
     const make_options *o = &s->texture->images[layer]->options;
     zt_diag diag = {.offset = UINT64_MAX};
     zt_image_desc desc = {.format = c->format->format,
                           .width = picture->width,
                           .height = picture->height,
+                          .layers = s->frames,
+                          .layer_kind = s->kind,
                           .levels = levels,
                           .tile_edge = o->tile_edge > 0 ? (uint32_t)o->tile_edge : 0,
                           .alpha_mode = c->alpha,
@@ -114,17 +134,115 @@ static int put_image(const storing *s, uint32_t layer, const coding *c, const au
                           .wrap_w = s->texture->wrap[2],
                           .is_normal = s->texture->semantics[layer] == ZT_SEMANTIC_NORMAL};
     zt_result result = zt_writer_add_image(s->store->writer, &desc, &diag, image);
-    return result == ZT_OK ? put_rows(s, c, picture, *image) : fail_writer(s, result, &diag);
+    return result == ZT_OK ? CMD_OK : fail_writer(s, result, &diag);
 }
 
-static int put_layer(storing *s, uint32_t layer, const coding *c, const author_picture *samples,
+/* Frames come in their order. */
+static int put_layer(storing *s, uint32_t layer, uint32_t frame, const author_picture *samples,
                      const author_picture *minified) {
+    const coding *c = &s->codings[layer];
     const make_options *o = &s->texture->images[layer]->options;
-    s->minified[layer] = ZT_NONE;
-    int status = put_image(s, layer, c, samples, 1, &s->samples[layer]);
-    if (status == CMD_OK && !s->texture->silmap->no_minified)
-        status = put_image(s, layer, c, minified, o->levels > 0 ? (uint32_t)o->levels : 0, &s->minified[layer]);
+    int has_minified = !s->texture->silmap->no_minified, status = CMD_OK;
+    if (frame == 0) {
+        s->minified[layer] = ZT_NONE;
+        status = add_image(s, layer, samples, 1, &s->samples[layer]);
+    }
+    if (status == CMD_OK && frame == 0 && has_minified)
+        status = add_image(s, layer, minified, o->levels > 0 ? (uint32_t)o->levels : 0, &s->minified[layer]);
+    if (status == CMD_OK)
+        status = put_rows(s, c, samples, s->samples[layer]);
+    if (status == CMD_OK && has_minified)
+        status = put_rows(s, c, minified, s->minified[layer]);
     return status;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------------- */
+
+static int count_frames(storing *s) {
+    const make_texture *texture = s->texture;
+    s->frames = 1;
+    for (uint32_t i = 0; i < texture->layer_count; i++) {
+        const make_image *image = texture->images[i];
+        if (image->volume || image->layer_kind == ZT_LAYERS_CUBE || image->all_subimages || image->file_count > FRAMES)
+            return make_complain(s->store->scene, image->pointer,
+                                 "a silmap is made of a picture, or of up to %d 'files' that are frames", FRAMES);
+        if (image->file_count > 1 && s->frames > 1 && image->file_count != s->frames)
+            return make_complain(s->store->scene, image->pointer,
+                                 "%u frames, another layer has %u: a layer has as many as the others, or one",
+                                 (unsigned)image->file_count, (unsigned)s->frames);
+        if (image->file_count == 1)
+            continue;
+        s->frames = (uint32_t)image->file_count;
+        s->kind = (zt_layer_kind)image->layer_kind;
+    }
+    if (texture->images[0]->file_count > 1 && texture->silmap->quality > 0)
+        return make_complain(s->store->scene, texture->pointer, "frames share one grid: say how many 'cells' it has");
+    return CMD_OK;
+}
+
+static int has_alpha(const author_picture *picture) {
+    return picture->channels == 2 || picture->channels == 4;
+}
+
+/* any_alpha: either may have it or not. */
+static int is_alike(const author_picture *a, const author_picture *b, int any_alpha) {
+    uint32_t own = any_alpha && has_alpha(a), other = any_alpha && has_alpha(b);
+    return a->width == b->width && a->height == b->height && a->channels - own == b->channels - other;
+}
+
+/* Before the long work: whether the pictures of a layer go together. cells: of the grid; set by the first layer. */
+static int look_at_frames(storing *s, uint32_t layer, uint32_t cells[2]) {
+    const make_image *image = s->texture->images[layer];
+    author_picture first = {0};
+    int colours = (layer > 0 || s->texture->silmap->mask == SILMAP_COLOURS) &&
+                  make_is_colour(s->texture->semantics[layer]);
+    int status = CMD_OK;
+    for (uint32_t frame = 0; status == CMD_OK && frame < image->file_count; frame++) {
+        silmap_pick pick = {layer, frame, 0, layer ? cells[0] : 0, layer ? cells[1] : 0};
+        silmap_source source;
+        status = silmap_source_load(s->store, s->texture, &pick, &source);
+        if (status != CMD_OK)
+            break;
+        const author_picture *picture = &source.picture;
+        s->keep_alpha[layer] |= colours && has_alpha(picture);
+        if (frame == 0) {
+            first = (author_picture){picture->width, picture->height, picture->channels, NULL};
+            cells[0] = source.cells_x;
+            cells[1] = source.cells_y;
+        }
+        if (!is_alike(&first, picture, colours))
+            status = make_complain(s->store->scene, image->pointer,
+                                   "%s would be %u x %u texels of %u channels, the first frame is %u x %u of %u: "
+                                   "frames are of one size and kind",
+                                   image->files[frame].path, (unsigned)picture->width, (unsigned)picture->height,
+                                   (unsigned)picture->channels, (unsigned)first.width, (unsigned)first.height,
+                                   (unsigned)first.channels);
+        silmap_source_release(&source);
+    }
+    return status;
+}
+
+static int check_frames(storing *s) {
+    uint32_t cells[2] = {0, 0};
+    int status = count_frames(s);
+    for (uint32_t i = 0; status == CMD_OK && s->frames > 1 && i < s->texture->layer_count; i++)
+        if (i == 0 || s->texture->images[i]->file_count > 1)
+            status = look_at_frames(s, i, cells);
+    if (status == CMD_OK && s->frames > 1 && (uint64_t)cells[0] * cells[1] * s->frames > UINT32_MAX)
+        return complain(s, "there are too many cells in all frames together");
+    return status;
+}
+
+static int keep_cells(storing *s, uint32_t frame, const author_silmap_result *cells) {
+    size_t count = (size_t)cells->cells_x * cells->cells_y;
+    uint8_t *all = realloc(s->cells, (frame + 1) * count);
+    if (!all)
+        return cmd_fail(CMD_INTERNAL, "out of memory");
+    s->cells = all;
+    memcpy(all + frame * count, cells->cells, count);
+    s->differ |= memcmp(all, cells->cells, count) != 0;
+    s->thin_cells += cells->thin_cells;
+    return CMD_OK;
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------- */
@@ -152,19 +270,46 @@ static int fit(storing *s, const silmap_source *source, author_silmap_result *ou
     return make_author_status(result, &run);
 }
 
-static int put_other_layer(storing *s, uint32_t layer, const author_silmap_result *cells) {
+/* Once more where hinting would have it; *source and *out are then the better ones. */
+static int try_hint(storing *s, silmap_source *source, author_silmap_result *out) {
+    silmap_source moved;
+    author_silmap_result other = {0};
+    silmap_trial *trial = &s->trial;
+    int status = silmap_source_hint(s->store, s->texture, source, &moved);
+    *trial = (silmap_trial){.wanted = 1, .psnr = {out->psnr}, .disagreement = {out->disagreement}};
+    if (status != CMD_OK || !moved.picture.texels)
+        return status;
+    status = fit(s, &moved, &other);
+    if (status == CMD_OK) {
+        trial->moved = 1;
+        trial->kept = author_silmap_is_better(&other, out);
+        trial->psnr[1] = other.psnr;
+        trial->disagreement[1] = other.disagreement;
+    }
+    author_silmap_release(trial->kept ? out : &other);
+    silmap_source_release(trial->kept ? source : &moved);
+    if (trial->kept) {
+        *out = other;
+        *source = moved;
+    }
+    return status;
+}
+
+static int put_other_layer(storing *s, uint32_t layer, uint32_t frame, const fitted *f) {
+    silmap_pick pick = {layer, frame, s->keep_alpha[layer], f->cells.cells_x, f->cells.cells_y};
     silmap_source source;
     author_picture samples = {0}, minified = {0};
     author_run run = {0};
-    coding c;
-    int status = silmap_layer_load(s->store, s->texture, layer, cells, &source);
+    int status = silmap_source_load(s->store, s->texture, &pick, &source);
     if (status != CMD_OK)
         return status;
-    status = choose_coding(s, layer, &source, &c);
+    if (frame == 0)
+        status = choose_coding(s, layer, &source);
     if (status == CMD_OK)
-        status = make_author_status(silmap_layer_fit(&run, &source.picture, cells, &samples, &minified), &run);
+        status = make_author_status(
+            silmap_layer_fit(&run, &source.picture, &f->source.place, &f->cells, &samples, &minified), &run);
     if (status == CMD_OK)
-        status = put_layer(s, layer, &c, &samples, &minified);
+        status = put_layer(s, layer, frame, &samples, &minified);
     author_picture_release(&samples);
     author_picture_release(&minified);
     silmap_source_release(&source);
@@ -178,49 +323,98 @@ static int put_texture(const storing *s, const author_silmap_result *cells) {
     zt_texture_desc desc = make_describe(texture, NULL, layers);
     zt_silmap_desc silmap = {.cells_x = cells->cells_x,
                              .cells_y = cells->cells_y,
+                             .cell_layers = s->differ ? s->frames : 1,
                              .filter = texture->silmap->filter,
-                             .cells = cells->cells,
+                             .cells = s->cells,
                              .samples = s->samples,
                              .minified = texture->silmap->no_minified ? NULL : s->minified};
     zt_result result = zt_writer_add_silmap(s->store->writer, &desc, &silmap, &diag, NULL);
     return result == ZT_OK ? CMD_OK : fail_writer(s, result, &diag);
 }
 
-static void tell(const storing *s, const author_silmap_result *fit) {
+static void tell(const storing *s, const author_silmap_place *place, const author_silmap_result *fit) {
+    const silmap_trial *trial = &s->trial;
+    if (trial->kept)
+        cmd_verbose(s->store->args, "%s: hinted, it lies from (%.6f, %.6f) to (%.6f, %.6f) of the texture",
+                    s->texture->name, place->x, place->y, place->x + place->width, place->y + place->height);
+    else if (trial->moved)
+        cmd_verbose(s->store->args,
+                    "%s: it stays where it is drawn: hinted it would have %.1f dB and %.3f %% of wrong area, so it has "
+                    "%.1f dB and %.3f %%",
+                    s->texture->name, trial->psnr[1], 100 * trial->disagreement[1], trial->psnr[0],
+                    100 * trial->disagreement[0]);
+    else if (trial->wanted)
+        cmd_verbose(s->store->args, "%s: it stays where it is drawn: hinting finds no better place", s->texture->name);
     cmd_verbose(s->store->args, "%s: %u x %u cells, %llu cut; %.1f dB, a bilinear texture of the same grid %.1f dB",
                 s->texture->name, (unsigned)fit->cells_x, (unsigned)fit->cells_y, (unsigned long long)fit->cut_cells,
                 fit->psnr, fit->box_psnr);
-    if (fit->thin_cells > 0)
-        cmd_note(s->store->args, "%s: %llu of %u x %u cells have features thinner than a cell, which cannot be held",
-                 s->texture->name, (unsigned long long)fit->thin_cells, (unsigned)fit->cells_x, (unsigned)fit->cells_y);
+}
+
+static void tell_thin(const storing *s, const author_silmap_result *cells) {
+    char all[32] = "";
+    if (s->texture->images[0]->file_count > 1)
+        snprintf(all, sizeof all, " x %u", (unsigned)s->frames);
+    if (s->thin_cells > 0)
+        cmd_note(s->store->args, "%s: %llu of %u x %u%s cells have features thinner than a cell, which cannot be held",
+                 s->texture->name, (unsigned long long)s->thin_cells, (unsigned)cells->cells_x,
+                 (unsigned)cells->cells_y, all);
+}
+
+static void release(fitted *f) {
+    author_silmap_release(&f->cells);
+    silmap_source_release(&f->source);
+}
+
+static int fit_frame(storing *s, uint32_t frame, fitted *f) {
+    silmap_pick pick = {.frame = frame, .keep_alpha = s->keep_alpha[0]};
+    int status = silmap_source_load(s->store, s->texture, &pick, &f->source);
+    uint32_t channels = f->source.picture.channels;
+    if (status == CMD_OK && frame == 0)
+        status = choose_coding(s, 0, &f->source);
+    if (status == CMD_OK)
+        status = fit(s, &f->source, &f->cells);
+    if (status == CMD_OK && s->texture->silmap->hint)
+        status = try_hint(s, &f->source, &f->cells);
+    /* What was cut off may have been all that was transparent. */
+    if (status == CMD_OK && f->source.picture.channels != channels)
+        status = choose_coding(s, 0, &f->source);
+    if (status == CMD_OK)
+        tell(s, &f->source.place, &f->cells);
+    return status == CMD_OK ? keep_cells(s, frame, &f->cells) : status;
+}
+
+/* f: of the frame before; a first layer of one picture keeps it. */
+static int put_frame(storing *s, uint32_t frame, fitted *f) {
+    int status = CMD_OK;
+    if (frame < s->texture->images[0]->file_count) {
+        release(f);
+        status = fit_frame(s, frame, f);
+    }
+    if (status == CMD_OK)
+        status = put_layer(s, 0, frame, &f->cells.samples, &f->cells.minified);
+    for (uint32_t i = 1; status == CMD_OK && i < s->texture->layer_count; i++)
+        status = put_other_layer(s, i, frame, f);
+    return status;
 }
 
 int make_store_silmap(make_store *store, const make_texture *texture, uint32_t *width, uint32_t *height) {
     storing s = {.store = store, .texture = texture};
-    silmap_source source;
-    author_silmap_result cells = {0};
-    coding c;
-    int status = silmap_source_load(store, texture, &source);
-    if (status != CMD_OK)
-        return status;
-    status = choose_coding(&s, 0, &source, &c);
-    if (status == CMD_OK)
-        status = fit(&s, &source, &cells);
+    fitted f = {.cells = {0}};
+    int status = check_frames(&s);
+    for (uint32_t frame = 0; status == CMD_OK && frame < s.frames; frame++)
+        status = put_frame(&s, frame, &f);
     if (status == CMD_OK) {
-        tell(&s, &cells);
-        status = put_layer(&s, 0, &c, &cells.samples, &cells.minified);
+        tell_thin(&s, &f.cells);
+        status = put_texture(&s, &f.cells);
     }
-    for (uint32_t i = 1; status == CMD_OK && i < texture->layer_count; i++)
-        status = put_other_layer(&s, i, &cells);
-    if (status == CMD_OK)
-        status = put_texture(&s, &cells);
-    *width = cells.cells_x;
-    *height = cells.cells_y;
+    *width = f.cells.cells_x;
+    *height = f.cells.cells_y;
     if (status == CMD_OK && texture->silmap->made) {
-        *texture->silmap->made = (silmap_made){cells, source.picture.width, source.picture.height};
-        cells = (author_silmap_result){0};
+        const author_picture *picture = &f.source.picture;
+        *texture->silmap->made = (silmap_made){f.cells, picture->width, picture->height, f.source.place, s.trial};
+        f.cells = (author_silmap_result){0};
     }
-    author_silmap_release(&cells);
-    silmap_source_release(&source);
+    release(&f);
+    free(s.cells);
     return status;
 }

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A scene into a texture file: images first, then textures with their patches, then metadata. */
 #include "silmap.h"
+#include "umbrellas.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static const uint8_t clamped[3] = {ZT_WRAP_CLAMP, ZT_WRAP_CLAMP, ZT_WRAP_CLAMP};
 
-/* What later textures and patches must know about an earlier texture. */
-typedef struct texture_size {
-    uint32_t width, height;
-} texture_size;
-
-static int fail_at(const make_scene *scene, const char *pointer, zt_result result, const zt_diag *diag) {
+int make_fail_writer(const make_scene *scene, const char *pointer, zt_result result, const zt_diag *diag) {
     char name[512];
     if (!scene->name)
         return cmd_fail_result("make", result, diag);
@@ -55,7 +51,7 @@ zt_texture_desc make_describe(const make_texture *texture, const uint32_t *image
                              .layer_count = texture->layer_count};
 }
 
-static int store_image_texture(make_store *store, const make_texture *texture, texture_size *size) {
+static int store_image_texture(make_store *store, const make_texture *texture, make_size *size) {
     zt_layer_desc layers[MAKE_LAYERS];
     uint32_t images[MAKE_LAYERS];
     make_stored first = {0}, stored;
@@ -71,11 +67,11 @@ static int store_image_texture(make_store *store, const make_texture *texture, t
             return status;
         images[i] = stored.image;
     }
-    *size = (texture_size){first.width, first.height};
+    *size = (make_size){first.width, first.height};
     zt_texture_desc desc = make_describe(texture, images, layers);
     zt_diag diag = {.offset = UINT64_MAX};
     zt_result result = zt_writer_add_texture(store->writer, &desc, &diag, NULL);
-    return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
+    return result == ZT_OK ? CMD_OK : make_fail_writer(store->scene, texture->pointer, result, &diag);
 }
 
 /* ---- kind zipmap -------------------------------------------------------------------------------------- */
@@ -158,7 +154,7 @@ static int store_layers(make_store *store, const make_texture *texture, uint32_t
 }
 
 /* A patch that shows a texture of the file: its coverage is the texture's, times a mask if there is one. */
-static int store_shown(make_store *store, const make_texture *texture, uint32_t index, const texture_size *sizes,
+static int store_shown(make_store *store, const make_texture *texture, uint32_t index, const make_size *sizes,
                        make_placed *all) {
     const make_patch *patch = &texture->patches[index];
     make_placed *p = &all[index];
@@ -198,7 +194,7 @@ static int add_zipmap(make_store *store, const make_texture *texture, const zt_p
     zt_texture_desc desc = make_describe(texture, NULL, layers);
     zt_diag diag = {.offset = UINT64_MAX};
     zt_result result = zt_writer_add_zipmap(store->writer, &desc, patches, texture->patch_count, &diag, NULL);
-    return result == ZT_OK ? CMD_OK : fail_at(store->scene, texture->pointer, result, &diag);
+    return result == ZT_OK ? CMD_OK : make_fail_writer(store->scene, texture->pointer, result, &diag);
 }
 
 static void warn_of_normals(const make_store *store, const make_texture *texture, uint32_t index,
@@ -223,7 +219,7 @@ static int store_treated(make_store *store, const make_texture *texture, uint32_
     return status == CMD_OK ? make_treat_patch(treatment, index, all) : status;
 }
 
-static int store_patch(make_store *store, const make_texture *texture, uint32_t index, const texture_size *sizes,
+static int store_patch(make_store *store, const make_texture *texture, uint32_t index, const make_size *sizes,
                        make_treatment *treatment, make_placed *all, zt_patch_desc *desc) {
     const make_patch *patch = &texture->patches[index];
     int shows = patch->texture != ZT_NONE, status;
@@ -245,7 +241,7 @@ static int store_patch(make_store *store, const make_texture *texture, uint32_t 
     return status;
 }
 
-static int store_zipmap(make_store *store, const make_texture *texture, texture_size *sizes, uint32_t self) {
+static int store_zipmap(make_store *store, const make_texture *texture, make_size *sizes, uint32_t self) {
     uint32_t count = texture->patch_count;
     make_placed *all = calloc(count, sizeof *all);
     zt_patch_desc *patches = calloc(count, sizeof *patches);
@@ -259,7 +255,7 @@ static int store_zipmap(make_store *store, const make_texture *texture, texture_
     for (uint32_t i = 0; status == CMD_OK && i < count; i++)
         patches[i].mask = all[i].mask;
     if (status == CMD_OK) {
-        sizes[self] = (texture_size){all[0].self.width, all[0].self.height};
+        sizes[self] = (make_size){all[0].self.width, all[0].self.height};
         status = add_zipmap(store, texture, patches);
     }
     make_treat_end(treatment);
@@ -270,18 +266,26 @@ static int store_zipmap(make_store *store, const make_texture *texture, texture_
 
 /* ---- the file ----------------------------------------------------------------------------------------- */
 
-static int store_textures(make_store *store) {
-    const make_scene *scene = store->scene;
-    texture_size *sizes = calloc(scene->texture_count, sizeof *sizes);
-    int status = sizes ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
-    for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
-        const make_texture *texture = &scene->textures[t];
+int make_store_textures(make_store *store, uint32_t count, make_size *sizes) {
+    int status = CMD_OK;
+    for (uint32_t t = 0; status == CMD_OK && t < count; t++) {
+        const make_texture *texture = &store->scene->textures[t];
         if (texture->silmap)
             status = make_store_silmap(store, texture, &sizes[t].width, &sizes[t].height);
+        else if (texture->umbrellas)
+            status = make_store_umbrellas(store, texture, sizes);
         else
             status = texture->is_zipmap ? store_zipmap(store, texture, sizes, t)
                                         : store_image_texture(store, texture, &sizes[t]);
     }
+    return status;
+}
+
+static int store_textures(make_store *store) {
+    make_size *sizes = calloc(store->scene->texture_count, sizeof *sizes);
+    int status = sizes ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
+    if (status == CMD_OK)
+        status = make_store_textures(store, store->scene->texture_count, sizes);
     free(sizes);
     return status;
 }
@@ -293,7 +297,7 @@ static int store_metadata(make_store *store) {
         zt_result result = zt_writer_set_metadata(store->writer, scene->metadata[i].key, scene->metadata[i].value,
                                                   &diag);
         if (result != ZT_OK)
-            return fail_at(scene, "/metadata", result, &diag);
+            return make_fail_writer(scene, "/metadata", result, &diag);
     }
     return CMD_OK;
 }

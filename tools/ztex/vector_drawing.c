@@ -20,6 +20,7 @@
 struct vector_drawing {
     RsvgHandle *handle;
     double width, height;
+    author_silmap_place place;
 };
 
 /* Whatever would make librsvg draw into a picture first, or not the line itself, goes. */
@@ -69,6 +70,7 @@ int vector_drawing_open(const void *data, size_t size, int edges, vector_drawing
     *out = NULL;
     if (!drawing)
         return fail(error, "out of memory");
+    drawing->place = (author_silmap_place){0, 0, 1, 1};
     drawing->handle = rsvg_handle_new_from_data(data, size, &problem);
     if (!drawing->handle) {
         vector_drawing_close(drawing);
@@ -90,15 +92,21 @@ void vector_drawing_size(const vector_drawing *drawing, double *width, double *h
     *height = drawing->height;
 }
 
+void vector_drawing_place(vector_drawing *drawing, const author_silmap_place *place) {
+    drawing->place = *place;
+}
+
 /* ---- pixels ------------------------------------------------------------------------------------------------- */
 
-/* The drawing fills the surface; where the ratio is not quite its own it is stretched. */
+/* The drawing at its place in the surface; where the ratio is not quite its own it is stretched. */
 static int draw(const vector_drawing *drawing, cairo_surface_t *surface, double width, double height, char *error) {
+    const author_silmap_place *place = &drawing->place;
     cairo_t *cairo = cairo_create(surface);
     GError *problem = NULL;
     RsvgRectangle box = {0, 0, drawing->width, drawing->height};
     int bad = 0;
-    cairo_scale(cairo, width / drawing->width, height / drawing->height);
+    cairo_translate(cairo, place->x * width, place->y * height);
+    cairo_scale(cairo, place->width * width / drawing->width, place->height * height / drawing->height);
     if (!rsvg_handle_render_document(drawing->handle, cairo, &box, &problem))
         bad = fail_glib(error, "librsvg cannot draw it", problem);
     else if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS)

@@ -8,6 +8,7 @@ __attribute__((visibility("default"))) const vector_module ztex_vector_module = 
     .size = sizeof(vector_module),
     .drawing_open = vector_drawing_open,
     .drawing_size = vector_drawing_size,
+    .drawing_place = vector_drawing_place,
     .drawing_render = vector_drawing_render,
     .drawing_paths = vector_drawing_paths,
     .drawing_close = vector_drawing_close,

@@ -35,7 +35,9 @@ typedef struct vector_module {
     int (*drawing_open)(const void *data, size_t size, int edges, vector_drawing **out, char *error);
     /* Its natural size; only the ratio counts. */
     void (*drawing_size)(const vector_drawing *drawing, double *width, double *height);
-    /* All of it into width x height pixels, premultiplied and sRGB-coded, four bytes r, g, b, a each. */
+    /* Where its page lies in the pictures and paths to come; at first it fills them. */
+    void (*drawing_place)(vector_drawing *drawing, const author_silmap_place *place);
+    /* Into width x height pixels, premultiplied and sRGB-coded, four bytes r, g, b, a each. */
     int (*drawing_render)(const vector_drawing *drawing, uint32_t width, uint32_t height, uint8_t *rgba, char *error);
     /* Every path that is drawn, filled or stroked: its own line, not the outline of the stroke. Curves become chains that are off by at
      * most tolerance (of the unit square). */
@@ -47,10 +49,10 @@ typedef struct vector_module {
                      char *error);
     /* Of the box around the ink. */
     void (*text_size)(const vector_text *text, double *width, double *height);
-    /* Coverage by exact area, one byte a pixel, the ink's box filling the picture but for margins (shares of the picture) on each side. */
-    int (*text_render)(const vector_text *text, uint32_t width, uint32_t height, double margin_x, double margin_y,
+    /* Coverage by exact area, one byte a pixel, of a picture in which the ink's box lies at place. */
+    int (*text_render)(const vector_text *text, const author_silmap_place *place, uint32_t width, uint32_t height,
                        uint8_t *coverage, char *error);
-    int (*text_paths)(const vector_text *text, double margin_x, double margin_y, double tolerance, vector_paths *out,
+    int (*text_paths)(const vector_text *text, const author_silmap_place *place, double tolerance, vector_paths *out,
                       char *error);
     void (*text_close)(vector_text *text); /* NULL is allowed */
 } vector_module;

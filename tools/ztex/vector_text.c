@@ -135,18 +135,19 @@ void vector_text_size(const vector_text *text, double *width, double *height) {
 /* ---- pictures ---------------------------------------------------------------------------------------------- */
 
 /* FreeType wants y up and units of a 64th of a pixel. */
-static void place(const vector_text *text, FT_Outline *to, const double size[2], const double margin[2]) {
+static void move_outline(const vector_text *text, FT_Outline *to, const author_silmap_place *place, double width,
+                         double height) {
     double box[2];
     vector_text_size(text, &box[0], &box[1]);
     for (int i = 0; i < to->n_points; i++) {
         double x = (double)(text->outline.points[i].x - text->low.x) / box[0];
         double y = (double)(text->outline.points[i].y - text->low.y) / box[1];
-        to->points[i].x = (FT_Pos)lround(64 * size[0] * (margin[0] + (1 - 2 * margin[0]) * x));
-        to->points[i].y = (FT_Pos)lround(64 * size[1] * (margin[1] + (1 - 2 * margin[1]) * y));
+        to->points[i].x = (FT_Pos)lround(64 * width * (place->x + place->width * x));
+        to->points[i].y = (FT_Pos)lround(64 * height * (1 - place->y - place->height * (1 - y)));
     }
 }
 
-int vector_text_render(const vector_text *text, uint32_t width, uint32_t height, double margin_x, double margin_y,
+int vector_text_render(const vector_text *text, const author_silmap_place *place, uint32_t width, uint32_t height,
                        uint8_t *coverage, char *error) {
     FT_Outline copy = text->outline;
     FT_Bitmap bitmap = {.rows = height,
@@ -160,7 +161,7 @@ int vector_text_render(const vector_text *text, uint32_t width, uint32_t height,
     copy.points = malloc(((size_t)copy.n_points + 1) * sizeof *copy.points);
     if (!copy.points)
         return fail(error, "out of memory");
-    place(text, &copy, (double[2]){width, height}, (double[2]){margin_x, margin_y});
+    move_outline(text, &copy, place, width, height);
     memset(coverage, 0, (size_t)width * height);
     int bad = FT_Outline_Get_Bitmap(text->library, &copy, &bitmap) != 0;
     free(copy.points);
@@ -199,16 +200,16 @@ static int cubic_to(const FT_Vector *a, const FT_Vector *b, const FT_Vector *to,
     return 0;
 }
 
-int vector_text_paths(const vector_text *text, double margin_x, double margin_y, double tolerance, vector_paths *out,
+int vector_text_paths(const vector_text *text, const author_silmap_place *place, double tolerance, vector_paths *out,
                       char *error) {
     static const FT_Outline_Funcs walk = {
         .move_to = move_to, .line_to = line_to, .conic_to = conic_to, .cubic_to = cubic_to};
     double width, height;
     vector_text_size(text, &width, &height);
-    double sx = (1 - 2 * margin_x) / width, sy = (1 - 2 * margin_y) / height;
+    double sx = place->width / width, sy = place->height / height, bottom = place->y + place->height;
     vector_pen pen = {
         .tolerance = tolerance,
-        .matrix = {sx, 0, 0, -sy, margin_x - sx * (double)text->low.x, 1 - margin_y + sy * (double)text->low.y}};
+        .matrix = {sx, 0, 0, -sy, place->x - sx * (double)text->low.x, bottom + sy * (double)text->low.y}};
     FT_Outline copy = text->outline;
     if (FT_Outline_Decompose(&copy, &walk, &pen) != 0)
         pen.failed = 1;

@@ -142,9 +142,17 @@ static int keep_named(convert_job *job, const char *list) {
 
 static void keep_shown(convert_job *job, uint32_t texture) {
     zt_texture_info info;
+    zt_umbrella_info umbrellas;
     if (zt_get_texture(job->input.file, texture, &info) != ZT_OK)
         return;
-    for (uint32_t p = 0; p < info.patch_count; p++) {
+    if (zt_get_umbrellas(job->input.file, texture, &umbrellas) == ZT_OK) {
+        for (uint32_t i = 0; i < umbrellas.base_count; i++)
+            if (umbrellas.bases[i].shows_texture)
+                job->keep[umbrellas.bases[i].source] = 1;
+        if (umbrellas.background_kind == ZT_BACKGROUND_TEXTURE)
+            job->keep[umbrellas.background_source] = 1;
+    }
+    for (uint32_t p = 0; p < info.patch_count && !job->strip_patches; p++) {
         zt_patch_info patch;
         if (zt_get_patch(job->input.file, texture, p, &patch) == ZT_OK && patch.texture < texture)
             job->keep[patch.texture] = 1;
@@ -157,8 +165,8 @@ static int choose_textures(convert_job *job) {
         status = keep_named(job, cmd_text_at(job->args, "keep-textures", (size_t)i));
     if (!given)
         memset(job->keep, 1, job->file.texture_count);
-    /* What a patch shows is an earlier texture, so one pass from the end finds all. */
-    for (uint32_t t = job->file.texture_count; t-- > 0 && !job->strip_patches;)
+    /* What a patch or a base shows is an earlier texture, so one pass from the end finds all. */
+    for (uint32_t t = job->file.texture_count; t-- > 0;)
         if (job->keep[t])
             keep_shown(job, t);
     return status;
@@ -218,6 +226,29 @@ static int add_silmap(convert_job *job, uint32_t texture, const zt_texture_info 
     return result == ZT_OK ? CMD_OK : cmd_fail_result(job->input.name, result, &diag);
 }
 
+/* As they are, but for the numbers of images and textures. */
+static int add_umbrellas(convert_job *job, uint32_t texture, const zt_texture_desc *desc) {
+    zt_umbrella_info info;
+    zt_diag diag = {.offset = UINT64_MAX};
+    zt_result result = zt_get_umbrellas(job->input.file, texture, &info);
+    size_t count = result == ZT_OK ? info.base_count : 0;
+    zt_umbrella_base *bases = calloc(count + 1, sizeof *bases);
+    if (result == ZT_OK && !bases)
+        result = ZT_NO_MEMORY;
+    for (size_t i = 0; result == ZT_OK && i < count; i++) {
+        bases[i] = info.bases[i];
+        bases[i].source = bases[i].shows_texture ? job->textures[bases[i].source] : job->images[bases[i].source];
+    }
+    info.bases = bases;
+    if (result == ZT_OK && info.background_kind != ZT_BACKGROUND_COLOUR)
+        info.background_source = info.background_kind == ZT_BACKGROUND_IMAGE ? job->images[info.background_source]
+                                                                             : job->textures[info.background_source];
+    if (result == ZT_OK)
+        result = zt_writer_add_umbrellas(job->writer, desc, &info, &diag, &job->textures[texture]);
+    free(bases);
+    return result == ZT_OK ? CMD_OK : cmd_fail_result(job->input.name, result, &diag);
+}
+
 /* Layers of a texture of kind image have one size; those of a root may differ. */
 static int one_size(const convert_job *job, uint32_t texture, uint32_t layer_count) {
     zt_image_info first = {0}, info;
@@ -243,7 +274,8 @@ static int add_texture(convert_job *job, uint32_t texture) {
     for (uint32_t l = 0; l < info.layer_count; l++) {
         zt_layer_info layer = {0};
         zt_get_layer(job->input.file, texture, l, &layer);
-        layers[l] = (zt_layer_desc){.semantic = layer.semantic, .image = job->images[layer.image]};
+        layers[l] = (zt_layer_desc){.semantic = layer.semantic,
+                                    .image = layer.image == ZT_NONE ? ZT_NONE : job->images[layer.image]};
     }
     zt_texture_desc desc = {.name = info.name,
                             .wrap_u = info.wrap_u,
@@ -253,6 +285,8 @@ static int add_texture(convert_job *job, uint32_t texture) {
                             .layer_count = info.layer_count};
     if (info.kind == ZT_KIND_SILMAP)
         return add_silmap(job, texture, &info, &desc);
+    if (info.kind == ZT_KIND_UMBRELLA)
+        return add_umbrellas(job, texture, &desc);
     int flat = info.kind == ZT_KIND_IMAGE || (job->strip_patches && one_size(job, texture, info.layer_count));
     if (!flat)
         return add_zipmap(job, texture, &info, &desc, job->strip_patches ? 1 : info.patch_count);

@@ -84,10 +84,11 @@ const cmd_verb verb_diff = {
     .synopsis = "[OPTION]... A B",
     .text =
         "Compares what is in two files: textures, patches, images, metadata, chunks of other types, cells of silmaps, "
-        "and the texels of all levels. How it is stored (places, codecs, tiles' sizes in the file) is no "
+        "arrays of umbrellas, and the texels of all levels. How it is stored (places, codecs, tiles' sizes in the "
+        "file) is no "
         "difference.\n\n"
         "Texels of uncompressed formats are compared as values, from 0 to 1 for UNORM, with the largest difference "
-        "and the PSNR; those of other formats, and cells, as bytes.\n\n"
+        "and the PSNR; those of other formats, cells and umbrellas, as bytes.\n\n"
         "The exit code is 0 when nothing differs and 7 when something does.",
     .options = options,
     .examples = examples,

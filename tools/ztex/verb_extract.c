@@ -35,7 +35,25 @@ static const cmd_option options[] = {
      .help =
          "The cells of a silmap as SVG, to be looked at: points, arms (those that are cut thick), and the colours of "
          "the samples."},
-    {.name = "level", .letter = 'l', .metavar = "N", .kind = CMD_INTEGER, .max = 31, .help = "Mip level; default: 0."},
+    {.name = "arrangement",
+     .help = "A level of umbrellas: as SVG, to be looked at, the polygons in their mean colours and the grid with the "
+             "lengths of its lists; as .gltf, with heights and pictures, which like a .bin file are put beside it."},
+    {.name = "bases",
+     .metavar = "FOLDER",
+     .kind = CMD_FOLDER,
+     .help = "The pictures of the bases of umbrellas, and bases.json: centre, vertices, second positions, and the "
+             "colour offsets of the variants."},
+    {.name = "base",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 65535,
+     .help = "The picture of one base of umbrellas."},
+    {.name = "level",
+     .letter = 'l',
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .max = 31,
+     .help = "Mip level, or level of --arrangement; default: 0."},
     {.name = "array-layer",
      .metavar = "N",
      .kind = CMD_INTEGER,
@@ -97,6 +115,7 @@ static const cmd_example examples[] = {
     {"ztex extract wall.ztex -t wall --patch 3 -o detail.png", "What a patch shows, its coverage as alpha."},
     {"ztex extract brick.ztex --layer normal --level 2 -o small.png", "A mip level of another layer."},
     {"ztex extract sign.ztex --cells -o cells.svg", "See the cells of a silmap."},
+    {"ztex extract leaves.ztex --arrangement -o leaves.gltf", "Umbrellas as a model for other programs."},
     {"ztex extract wall.ztex --all wall", "Everything; 'ztex make wall/scene.json -o wall.ztex' makes it again."},
     {"ztex extract wall.ztex --dzi wall.dzi", "A picture to zoom into, for the web."},
     {"ztex extract wall.ztex --key zt.license", "Say under which licence the work is."},
@@ -155,8 +174,34 @@ static int image_of_patch(const cmd_args *args, const cmd_input *input, uint32_t
     return CMD_OK;
 }
 
+static int image_of_base(const cmd_args *args, const cmd_input *input, uint32_t texture, uint32_t *image) {
+    uint32_t number = (uint32_t)cmd_integer(args, "base");
+    zt_umbrella_info info;
+    if (zt_get_umbrellas(input->file, texture, &info) != ZT_OK || number >= info.base_count)
+        return cmd_fail(CMD_USAGE, "%s: texture %u has no base %u", input->name, (unsigned)texture, (unsigned)number);
+    if (info.bases[number].shows_texture) {
+        cmd_error("%s: base %u shows the texture %u", input->name, (unsigned)number,
+                  (unsigned)info.bases[number].source);
+        cmd_hint("Extract that one with --texture %u.", (unsigned)info.bases[number].source);
+        return CMD_USAGE;
+    }
+    *image = info.bases[number].source;
+    return CMD_OK;
+}
+
+/* What a layer without an image can give. */
+static int no_image(const cmd_args *args, const cmd_input *input, uint32_t texture) {
+    zt_umbrella_info info;
+    if (cmd_given(args, "minified") || zt_get_umbrellas(input->file, texture, &info) != ZT_OK)
+        return cmd_fail(CMD_USAGE, "%s: texture %u has no %simage", input->name, (unsigned)texture,
+                        cmd_given(args, "minified") ? "minified " : "");
+    cmd_error("%s: texture %u is made of umbrellas: there is no image of it", input->name, (unsigned)texture);
+    cmd_hint("--base N gives the picture of a base, --bases all of them, --arrangement what lies where.");
+    return CMD_USAGE;
+}
+
 static int find_image(const cmd_args *args, const cmd_input *input, uint32_t *image) {
-    static const char *const others[] = {"texture", "layer", "patch", "mask", "minified"};
+    static const char *const others[] = {"texture", "layer", "patch", "mask", "minified", "base"};
     uint32_t texture, layer;
     zt_layer_info row;
     if (cmd_given(args, "image")) {
@@ -173,12 +218,12 @@ static int find_image(const cmd_args *args, const cmd_input *input, uint32_t *im
         return status;
     if (cmd_given(args, "patch") || cmd_given(args, "mask"))
         return image_of_patch(args, input, texture, layer, image);
+    if (cmd_given(args, "base"))
+        return image_of_base(args, input, texture, image);
     if (zt_get_layer(input->file, texture, layer, &row) != ZT_OK)
         return cmd_fail(CMD_INTERNAL, "%s: the texture has no image", input->name);
     *image = cmd_given(args, "minified") ? zt_get_silmap_minified(input->file, texture, layer) : row.image;
-    if (*image == ZT_NONE)
-        return cmd_fail(CMD_USAGE, "%s: texture %u has no minified image", input->name, (unsigned)texture);
-    return CMD_OK;
+    return *image == ZT_NONE ? no_image(args, input, texture) : CMD_OK;
 }
 
 static int read_part(const cmd_args *args, const cmd_input *input, extract_part *part) {
@@ -249,9 +294,40 @@ static int extract_drawing(const cmd_args *args, const cmd_input *input, const c
     return status;
 }
 
-static int check_dzi(const cmd_args *args) {
-    static const char *const others[] = {"image", "patch",  "mask", "minified", "level",
+/* The type of the output says the form. */
+static int extract_umbrellas(cmd_args *args, const cmd_input *input, const char *path) {
+    static const char *const others[] = {"image", "patch",  "mask", "minified", "base",
                                          "slice", "region", "raw",  "cells"};
+    size_t length = strlen(path);
+    uint32_t texture, level = (uint32_t)cmd_integer(args, "level");
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (cmd_given(args, others[i]))
+            return cmd_usage(args, "--arrangement and --%s exclude each other", others[i]);
+    int status = pick_texture(input, cmd_text(args, "texture"), &texture);
+    if (status != CMD_OK)
+        return status;
+    if (length > 5 && strcmp(path + length - 5, ".gltf") == 0)
+        return extract_model(args, input, texture, level, path);
+    if (strcmp(path, "-") == 0 || (length > 4 && strcmp(path + length - 4, ".svg") == 0))
+        return extract_arrangement(input, texture, level, path);
+    return cmd_usage(args, "--arrangement is written as .svg or .gltf");
+}
+
+static int extract_all_bases(cmd_args *args, const cmd_input *input, const char *folder) {
+    cmd_progress progress;
+    uint32_t texture;
+    int status = pick_texture(input, cmd_text(args, "texture"), &texture);
+    if (status != CMD_OK)
+        return status;
+    cmd_progress_begin(&progress, args, "extracting");
+    status = extract_bases(args, input, texture, folder, &progress);
+    cmd_progress_end(&progress);
+    return status;
+}
+
+static int check_dzi(const cmd_args *args) {
+    static const char *const others[] = {"image",  "patch", "mask",  "minified",    "level", "slice",
+                                         "region", "raw",   "cells", "arrangement", "base"};
     static const char *const own[] = {"tile-size", "overlap", "max-size", "format"};
     int given = cmd_given(args, "dzi");
     for (size_t i = 0; given && i < sizeof others / sizeof others[0]; i++)
@@ -265,14 +341,17 @@ static int check_dzi(const cmd_args *args) {
 
 static int run(cmd_args *args) {
     const char *path = cmd_text(args, "output"), *folder = cmd_text(args, "all"), *key = cmd_text(args, "key");
-    const char *pyramid = cmd_text(args, "dzi");
+    const char *pyramid = cmd_text(args, "dzi"), *bases = cmd_text(args, "bases");
     int prints = key || cmd_given(args, "meta");
     cmd_input input;
-    if ((path != NULL) + (folder != NULL) + (pyramid != NULL) + prints != 1)
-        return cmd_usage(args, "one of --output, --all, --dzi, --meta and --key is wanted");
+    if ((path != NULL) + (folder != NULL) + (pyramid != NULL) + (bases != NULL) + prints != 1)
+        return cmd_usage(args, "one of --output, --all, --bases, --dzi, --meta and --key is wanted");
+    if (cmd_given(args, "arrangement") && !path)
+        return cmd_usage(args, "--arrangement needs --output: an SVG or glTF file");
     if (cmd_given(args, "cells") && !path)
         return cmd_usage(args, "--cells needs --output: an SVG file, or -");
-    if (path && strcmp(path, "-") == 0 && !cmd_given(args, "raw") && !cmd_given(args, "cells"))
+    if (path && strcmp(path, "-") == 0 && !cmd_given(args, "raw") && !cmd_given(args, "cells") &&
+        !cmd_given(args, "arrangement"))
         return cmd_usage(args, "a picture needs a name: its extension says the type. Bytes go out with --raw");
     int status = check_dzi(args);
     if (status == CMD_OK && (path || pyramid))
@@ -287,6 +366,10 @@ static int run(cmd_args *args) {
         status = extract_all(args, &input, folder);
     else if (pyramid)
         status = extract_dzi(args, &input, pyramid);
+    else if (bases)
+        status = extract_all_bases(args, &input, bases);
+    else if (cmd_given(args, "arrangement"))
+        status = extract_umbrellas(args, &input, path);
     else
         status = cmd_given(args, "cells") ? extract_drawing(args, &input, path) : extract_one(args, &input, path);
     cmd_close(&input);
@@ -296,7 +379,8 @@ static int run(cmd_args *args) {
 const cmd_verb verb_extract = {
     .name = "extract",
     .summary = "Get images, bytes or metadata out of a texture file",
-    .synopsis = "[OPTION]... FILE -o OUT\nFILE --cells -o CELLS.svg\nFILE --all FOLDER\nFILE --dzi OUT.dzi\nFILE "
+    .synopsis = "[OPTION]... FILE -o OUT\nFILE --cells -o CELLS.svg\nFILE --arrangement -o OUT.svg|OUT.gltf\nFILE "
+                "--bases FOLDER\nFILE --all FOLDER\nFILE --dzi OUT.dzi\nFILE "
                 "--meta | --key KEY",
     .text =
         "Writes one slice of one level of an image as a picture. Integers go into png as they are, sRGB stays sRGB and "

@@ -2,6 +2,7 @@
 /* ztex make: pictures, or a scene that names them, into a texture file. */
 #include "make_args.h"
 #include "silmap.h"
+#include "umbrellas.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -285,6 +286,21 @@ static int check_image_output(const make_image *image, const char *output) {
     return status;
 }
 
+static int check_base_outputs(const make_umbrellas *u, const char *output) {
+    int status = check_image_output(u->background_image, output);
+    for (uint32_t b = 0; status == CMD_OK && b < u->base_count; b++) {
+        const make_umbrella_base *base = &u->bases[b];
+        status = check_image_output(base->image, output);
+        if (status == CMD_OK && base->outline.drawing)
+            status = cmd_check_output(output, &base->outline.drawing, 1);
+        if (status == CMD_OK && base->morph.drawing)
+            status = cmd_check_output(output, &base->morph.drawing, 1);
+        for (uint32_t v = 0; status == CMD_OK && v < base->input.variant_count; v++)
+            status = check_image_output(base->variants[v].image, output);
+    }
+    return status;
+}
+
 static int check_patch_output(const make_patch *patch, uint32_t layer_count, const char *output) {
     int status = check_image_output(patch->mask, output);
     for (uint32_t i = 0; status == CMD_OK && i < layer_count; i++)
@@ -292,13 +308,14 @@ static int check_patch_output(const make_patch *patch, uint32_t layer_count, con
     return status;
 }
 
-/* The pictures that a scene names are originals, which the output must not replace. */
-static int check_scene_outputs(const make_scene *scene, const char *output) {
+int make_check_outputs(const make_scene *scene, const char *output) {
     int status = CMD_OK;
     for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
         const make_texture *texture = &scene->textures[t];
         for (uint32_t i = 0; status == CMD_OK && !texture->is_zipmap && i < texture->layer_count; i++)
             status = check_image_output(texture->images[i], output);
+        if (status == CMD_OK && texture->umbrellas)
+            status = check_base_outputs(texture->umbrellas, output);
         if (status == CMD_OK && texture->silmap && texture->silmap->edges)
             status = cmd_check_output(output, &texture->silmap->edges, 1);
         for (uint32_t i = 0; status == CMD_OK && i < texture->patch_count; i++)
@@ -321,7 +338,7 @@ static int run(cmd_args *args) {
     if (status == CMD_OK)
         status = read_operands(args, &scene, &data, &temporary);
     if (status == CMD_OK)
-        status = check_scene_outputs(&scene, output);
+        status = make_check_outputs(&scene, output);
     cmd_progress_begin(&progress, args, "making");
     zt_writer_options writer = make_writer_options(args, &progress);
     if (status == CMD_OK)

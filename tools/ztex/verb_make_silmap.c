@@ -24,6 +24,10 @@ static const cmd_option options[] = {
      .help = "A drawing over the picture, as from Inkscape: the lines of its paths are edges. The colours are the "
              "picture's."},
     {.name = "edges-only", .help = "With --edges: nothing else is an edge."},
+    {.name = "hint",
+     .help = "A drawing or glyphs may lie where it suits the cells: edges along the axes become exact where that is "
+             "possible, and nothing moves by more than half a cell. Both places are tried, and the better one is kept; "
+             "--verbose and --report say which, and where it lies."},
     {.name = "font",
      .metavar = "FILE",
      .kind = CMD_FILE,
@@ -88,6 +92,8 @@ static const cmd_example examples[] = {
     {"ztex make silmap sign.svg --cells 96 -o sign.ztex", "A drawing whose edges stay sharp."},
     {"ztex make silmap sign.svg --quality 32 --report sign.html -o sign.ztex",
      "As few cells as 32 dB need, and a page that shows what they could not hold."},
+    {"ztex make silmap sign.svg --cells 96 --hint -o sign.ztex",
+     "The same, moved by less than half a cell so that its upright and level edges are held best."},
     {"ztex make silmap leaf.png --mask alpha --cells 64 -o leaf.ztex", "The cut-out of a billboard."},
     {"ztex make silmap wall.jpg --edges wall.svg --edges-only -o wall.ztex", "A photograph with edges drawn by hand."},
     {"ztex make silmap --font DejaVuSans.ttf --glyph '&' --cells 16 -o and.ztex", "A glyph."},
@@ -158,6 +164,7 @@ static int read_wishes(const cmd_args *args, make_scene *scene, make_silmap *sil
     silmap->mask = mask < 0 ? SILMAP_COLOURS : (silmap_mask)(mask + 1);
     silmap->edges = cmd_text(args, "edges");
     silmap->edges_only = cmd_given(args, "edges-only") > 0;
+    silmap->hint = cmd_given(args, "hint") > 0;
     silmap->no_minified = cmd_given(args, "no-minified") > 0;
     silmap->quality = cmd_real(args, "quality");
     if (cells && silmap_parse_cells(cells, silmap))

@@ -10,6 +10,8 @@
 #define BAND_BYTES (UINT64_C(16) << 20) /* of float pixels that are held at once */
 #define LONGEST 4096                    /* pixels a side, when nobody gives a size */
 #define LONGEST_FRAME 1024              /* of several pictures */
+#define SCREEN_WIDTH 960                /* pixels of --3d, when nobody gives a size */
+#define SCREEN_HEIGHT 540
 #define FRAMES_MOST 100000
 #define SHEET_GAP 4 /* pixels */
 
@@ -88,6 +90,36 @@ static const cmd_option options[] = {
      .help = "Frame of an animation, from 0 on (the same as --array-layer)."},
     {.name = "array-layer", .metavar = "N", .kind = CMD_INTEGER, .max = 65535, .help = "Array layer or cube face."},
     {.name = "slice", .metavar = "W", .kind = CMD_INTEGER, .max = 16383, .help = "Slice of a volume."},
+    {.name = "light",
+     .metavar = "X,Y,Z",
+     .kind = CMD_TEXT,
+     .fallback = "-0.15,-0.2,0.35",
+     .help = "Of umbrellas: towards the light, in cells of the grid, x to the right, y down, z up. Shadows fall X, Y "
+             "away; the direction is that of the shading of --3d."},
+    {.name = "shadow",
+     .metavar = "Q",
+     .kind = CMD_REAL,
+     .fallback = "0",
+     .help = "Of umbrellas: how dark shadows are, from 0 to 1. Default with --3d: 0.3."},
+    {.name = "3d",
+     .help = "In perspective: the view is the ground, which a camera sees; umbrellas stand up from it as they are. "
+             "Around it is the background."},
+    {.name = "eye",
+     .metavar = "X,Y,Z",
+     .kind = CMD_TEXT,
+     .help = "Of --3d: where the camera is, in widths of the view from its corner, x to the right, y down, z up. "
+             "Default: above the near side."},
+    {.name = "target", .metavar = "X,Y,Z", .kind = CMD_TEXT, .help = "Of --3d: where it looks. Default: the middle."},
+    {.name = "up", .metavar = "X,Y,Z", .kind = CMD_TEXT, .help = "Of --3d: what is up in the picture. Default: z."},
+    {.name = "fov",
+     .metavar = "DEGREES",
+     .kind = CMD_REAL,
+     .help = "Of --3d: field of view of the picture's height. Default: 38."},
+    {.name = "ambient",
+     .metavar = "A",
+     .kind = CMD_REAL,
+     .fallback = "0.35",
+     .help = "Of --3d: the share of light that comes from everywhere, from 0 to 1: 1 is without shading."},
     {.name = "background",
      .letter = 'b',
      .metavar = "R,G,B|checker",
@@ -119,6 +151,8 @@ static const cmd_example examples[] = {
     {"ztex render face.ztex -o eye.png --view 0.4,0.3,0.5,0.4 --size 800", "A detail, 800 pixels wide."},
     {"ztex render face.ztex -o zoom%04d.png --zoom-path '0,0,1,1;0.44,0.34,0.46,0.36' --frames 120",
      "The frames of a film that zooms in."},
+    {"ztex render leaves.ztex --3d -o leaves.png --view 0,0,0.25,0.4 --background 170,190,215 --supersample 3",
+     "Umbrellas in perspective, a part of the texture as the ground."},
     {"ztex render walk.ztex -o film%04d.png --play --frames 48", "An animation, as pictures for a film."},
     {"ztex render face.ztex -o sheet.png --zoom-path '0,0,1,1;0.44,0.34,0.46,0.36' --frames 12 --sheet 4 --size 400",
      "The same on one sheet."},
@@ -131,6 +165,7 @@ typedef struct render_job {
     zt_image_info root;
     zt_sampler *sampler;
     render_style style;
+    render_space space;
     render_view *views;
     uint32_t view_count;
     uint32_t columns; /* 0: each view has its own picture */
@@ -176,6 +211,11 @@ static int read_size(render_job *job) {
     render_style *style = &job->style;
     if (text && render_size_parse(text, &style->width, &style->height))
         return cmd_usage(job->args, "--size '%s': pixels are wanted, as in 800x600, 800 or x600", text);
+    if (style->space) {
+        const render_view screen = {0, 0, 1, 1};
+        render_size_complete(&screen, SCREEN_WIDTH, SCREEN_HEIGHT, SCREEN_WIDTH, &style->width, &style->height);
+        return CMD_OK;
+    }
     render_size_complete(&job->views[0], job->root.width, job->root.height,
                          job->view_count > 1 ? LONGEST_FRAME : LONGEST, &style->width, &style->height);
     return CMD_OK;
@@ -226,7 +266,8 @@ static int read_kind(render_job *job, const char *path) {
     job->style.transfer = job->is_colour && !linear ? 13 : 8;
     job->style.gain = job->is_colour ? (float)exp2(cmd_real(job->args, "exposure")) : 1.0f;
     job->channels = format && format->channels == 1 ? 1 : 3;
-    if (job->is_colour && job->root.alpha_mode != ZT_ALPHA_NONE && job->style.background == BACKGROUND_NONE)
+    int alpha = job->root.alpha_mode != ZT_ALPHA_NONE || job->style.space;
+    if (job->is_colour && alpha && job->style.background == BACKGROUND_NONE)
         job->channels = 4;
     if (job->style.background != BACKGROUND_NONE)
         job->channels = 3;
@@ -235,17 +276,16 @@ static int read_kind(render_job *job, const char *path) {
 }
 
 static int open_texture(render_job *job) {
-    zt_layer_info layer;
+    uint32_t semantic;
     int status = pick_texture(&job->input, cmd_text(job->args, "texture"), &job->texture);
     if (status == CMD_OK)
         status = pick_layer(&job->input, job->texture, cmd_text(job->args, "layer"), &job->layer);
     if (status != CMD_OK)
         return status;
-    if (zt_get_layer(job->input.file, job->texture, job->layer, &layer) != ZT_OK ||
-        zt_get_image(job->input.file, layer.image, &job->root) != ZT_OK)
+    if (pick_image_of(job->input.file, job->texture, job->layer, NULL, &semantic, &job->root) != 0)
         return cmd_fail(CMD_INTERNAL, "%s: the texture has no image", job->input.name);
     /* A first layer of no declared meaning is shown as the picture that it probably is. */
-    job->is_colour = pick_is_colour(layer.semantic);
+    job->is_colour = pick_is_colour(semantic);
     zt_sampler_options how = {.size = sizeof how,
                               .filter = (zt_filter)cmd_choice(job->args, "filter"),
                               .max_anisotropy = (uint32_t)cmd_integer(job->args, "anisotropy"),
@@ -254,6 +294,12 @@ static int open_texture(render_job *job) {
     zt_diag diag = {.offset = UINT64_MAX};
     if (how.max_anisotropy > 1 && how.filter != ZT_FILTER_TRILINEAR)
         return cmd_usage(job->args, "--anisotropy goes with the filter trilinear");
+    status = render_space_read(job->args, job->input.file, job->texture, &job->root, &job->space);
+    if (status == CMD_OK)
+        status = render_light_read(job->args, &how, &job->space);
+    if (status != CMD_OK)
+        return status;
+    job->style.space = cmd_given(job->args, "3d") ? &job->space : NULL;
     zt_result result = zt_sampler_open(job->input.file, job->texture, &how, &diag, &job->sampler);
     return result == ZT_OK ? CMD_OK : cmd_fail_result(job->input.name, result, &diag);
 }
@@ -445,6 +491,17 @@ static int check_output(const render_job *job, const char *path) {
     return cmd_check_output(path, job->args->operands, 1);
 }
 
+/* Every view has a camera. */
+static int check_scenes(const render_job *job) {
+    for (uint32_t i = 0; job->style.space && i < job->view_count; i++) {
+        render_scene scene;
+        const char *wrong = render_scene_open(&job->style, &job->views[i], &scene);
+        if (wrong)
+            return cmd_usage(job->args, "--3d: %s", wrong);
+    }
+    return CMD_OK;
+}
+
 static int prepare(render_job *job, const char *path) {
     int status = read_views(job);
     job->columns = (uint32_t)cmd_integer(job->args, "sheet");
@@ -457,6 +514,8 @@ static int prepare(render_job *job, const char *path) {
         status = open_texture(job);
     if (status == CMD_OK)
         status = read_size(job);
+    if (status == CMD_OK)
+        status = check_scenes(job);
     if (status == CMD_OK)
         status = read_places(job);
     if (status == CMD_OK)
@@ -483,6 +542,7 @@ const cmd_verb verb_render = {
     .text = "Looks the texture up as a renderer would, with its patches, mip levels and filter, and writes a picture: "
             "png, jpg and others with 8 or 16 bits in sRGB, exr and hdr with linear light. Layers that are not "
             "colours keep their numbers.\n\n"
+            "With --3d the picture shows the rectangle in perspective, and nothing around it.\n\n"
             "Rectangles are in texture coordinates of the root: 0 to 1, u to the right, v down. Beyond that the "
             "texture goes on as its wrap modes say.",
     .options = options,

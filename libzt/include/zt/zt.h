@@ -46,7 +46,7 @@
  *   the right, v down, (0, 0) being the outer corner of the first texel. Matrices are row-major. Texels are little-endian
  *   on every machine.
  * - Untrusted files. Every function may be given any bytes. zt_limits apply before memory is allocated.
- * Rule numbers, chunks and fields are those of spec/ztex.md, spec/zipmap.md and spec/silmap.md.
+ * Rule numbers, chunks and fields are those of spec/ztex.md, zipmap.md, silmap.md and umbrella.md.
  */
 #ifndef ZT_ZT_H
 #define ZT_ZT_H
@@ -124,18 +124,19 @@ typedef struct zt_io {
 
 /* Ceilings; 0 means the default named beside each. There is no "unlimited": give a large number. */
 typedef struct zt_limits {
-    uint64_t file_size;      /* 2^40 */
-    uint64_t memory;         /* bytes allocated at once for one file, its samplers and their calls; 2^30 */
-    uint64_t metadata;       /* decoded bytes of META; 2^24 */
-    uint32_t chunks;         /* 65535 */
-    uint32_t textures;       /* 65536 */
-    uint32_t images;         /* 2^20 */
-    uint32_t dimension;      /* width, height and depth; 2^20 */
-    uint32_t layers;         /* array layers of an image; 2^16 */
-    uint32_t patches;        /* of one zipmap; 2^20 */
-    uint32_t tile_size;      /* decoded bytes of a tile or a mip tail; 2^26 */
-    uint32_t texture_depth;  /* textures shown by patches of textures; 8 */
-    uint32_t shown_textures; /* such textures looked up for one point; 4096 */
+    uint64_t file_size;        /* 2^40 */
+    uint64_t memory;           /* bytes allocated at once for one file, its samplers and their calls; 2^30 */
+    uint64_t metadata;         /* decoded bytes of META; 2^24 */
+    uint32_t chunks;           /* 65535 */
+    uint32_t textures;         /* 65536 */
+    uint32_t images;           /* 2^20 */
+    uint32_t dimension;        /* width, height and depth; 2^20 */
+    uint32_t layers;           /* array layers of an image; 2^16 */
+    uint32_t patches;          /* of one zipmap; 2^20 */
+    uint32_t tile_size;        /* decoded bytes of a tile or a mip tail; 2^26 */
+    uint32_t texture_depth;    /* textures shown by patches of textures; 8 */
+    uint32_t shown_textures;   /* such textures looked up for one point; 4096 */
+    uint32_t listed_umbrellas; /* in one cell of umbrellas; 4096 */
 } zt_limits;
 
 /* Runs task(context, i, worker) for every i below count, in any order and on any thread, and returns when all are done.
@@ -203,7 +204,7 @@ ZT_API zt_result zt_get_chunk(const zt_file *file, uint32_t chunk, zt_chunk_info
  * libzt does not know. Errors: ZT_BAD_ARGUMENT, ZT_LIMIT (memory), reading and decoding errors. */
 ZT_API zt_result zt_read_chunk(const zt_file *file, uint32_t chunk, void *dst, size_t dst_size, zt_diag *diag);
 
-typedef enum zt_kind { ZT_KIND_IMAGE = 0, ZT_KIND_ZIPMAP = 1, ZT_KIND_SILMAP = 2 } zt_kind;
+typedef enum zt_kind { ZT_KIND_IMAGE = 0, ZT_KIND_ZIPMAP = 1, ZT_KIND_SILMAP = 2, ZT_KIND_UMBRELLA = 3 } zt_kind;
 
 typedef enum zt_wrap { ZT_WRAP_REPEAT = 0, ZT_WRAP_MIRROR = 1, ZT_WRAP_CLAMP = 2, ZT_WRAP_BORDER = 3 } zt_wrap;
 
@@ -243,7 +244,7 @@ ZT_API uint32_t zt_find_texture(const zt_file *file, const char *name);
 
 typedef struct zt_layer_info {
     uint32_t semantic; /* zt_semantic, or another number */
-    uint32_t image;    /* kind image: its image; zipmap: the root's; silmap: the sample image */
+    uint32_t image;    /* kind image: its image; zipmap: the root's; silmap: the sample image; umbrellas: ZT_NONE */
 } zt_layer_info;
 
 ZT_API zt_result zt_get_layer(const zt_file *file, uint32_t texture, uint32_t layer, zt_layer_info *out);
@@ -370,6 +371,111 @@ ZT_API unsigned zt_silmap_shape_weights(zt_silmap_filter filter, const zt_silmap
 /* The areas of the four quadrants (section 7); they sum to 1. */
 ZT_API void zt_silmap_areas(const zt_silmap_cell *cell, double areas[4]);
 
+/* Umbrellas (umbrella.md). The structs hold the file's own integers, exact, in 4-byte words: each array can be a storage buffer of a GPU as it is. */
+
+typedef enum zt_umbrella_colour_mode {
+    ZT_UMBRELLA_BARYCENTRIC = 0,
+    ZT_UMBRELLA_INVERSE_DISTANCE = 1 /* equation 1 of the paper: over all vertices */
+} zt_umbrella_colour_mode;
+
+typedef enum zt_umbrella_form {
+    ZT_UMBRELLA_PARAMETRIC = 0, /* a base, placed by a similarity */
+    ZT_UMBRELLA_EXPLICIT = 1,   /* a base; position and colour offset of each vertex of its own */
+    ZT_UMBRELLA_COLOURED = 2    /* no base: positions and colours. Coarser levels have no others */
+} zt_umbrella_form;
+
+typedef enum zt_umbrella_ellipsoid {
+    ZT_ELLIPSOID_FLAT = 0,
+    ZT_ELLIPSOID_CONVEX = 1,
+    ZT_ELLIPSOID_CONCAVE = 2,
+    ZT_ELLIPSOID_OF_BASE = 3 /* of umbrellas only */
+} zt_umbrella_ellipsoid;
+
+typedef enum zt_background_kind {
+    ZT_BACKGROUND_COLOUR = 0,
+    ZT_BACKGROUND_IMAGE = 1,
+    ZT_BACKGROUND_TEXTURE = 2
+} zt_background_kind;
+
+/* A place in a picture, in 1/65535 of its width and height. */
+typedef struct zt_umbrella_texel {
+    uint16_t x, y;
+} zt_umbrella_texel;
+
+/* A vertex less its centre, in 2^-bits of a cell (zt_umbrella_level). */
+typedef struct zt_umbrella_offset {
+    int32_t x, y;
+} zt_umbrella_offset;
+
+/* A colour offset, each channel the i8 q of q |q| / 127^2 as its two's complement; form 2: a colour, each channel the u8 q of (q / 255)^2. */
+typedef struct zt_umbrella_colour {
+    uint8_t r, g, b, reserved;
+} zt_umbrella_colour;
+
+typedef struct zt_umbrella_base { /* 40 bytes */
+    uint32_t shows_texture;       /* 0: source is an image; 1: an earlier texture */
+    uint32_t source;
+    uint32_t aspect;       /* height of the picture in 1/65536 of its width */
+    uint32_t first_vertex; /* in base_vertices */
+    uint32_t first_morph;  /* in morph_vertices, or ZT_NONE */
+    uint32_t first_colour; /* in variant_colours: variant_count x (1 + vertex_count), the centre first */
+    uint16_t vertex_count;
+    uint8_t variant_count, ellipsoid;
+    zt_umbrella_texel centre;
+    uint16_t height, curvature; /* height in 1/65535 of the prism's; curvature (value + 1) / 65536 */
+    uint32_t reserved;
+} zt_umbrella_base;
+
+typedef struct zt_umbrella { /* 48 bytes */
+    int32_t x, y;            /* centre, in 1/65536 of a cell of its level */
+    int32_t a, b;            /* parametric: the similarity, in 1/65536 of a cell for the width of the picture */
+    uint32_t first_vertex;   /* explicit and coloured: in explicit_vertices */
+    uint32_t first_colour;   /* and in explicit_colours: 1 + vertex_count, the centre first */
+    uint16_t vertex_count;   /* explicit and coloured; parametric: 0 */
+    uint16_t base;           /* coloured: 0 */
+    uint8_t form;            /* zt_umbrella_form */
+    uint8_t mirrored, ellipsoid, morph;
+    uint8_t variant_0, variant_1, variant_weight, strength; /* weights in 1/255 */
+    uint16_t height, curvature; /* as of the base, unless ellipsoid is ZT_ELLIPSOID_OF_BASE */
+    uint16_t lift, reserved;    /* in 1/65535 of the prism's height */
+} zt_umbrella;
+
+typedef struct zt_umbrella_level {
+    uint32_t width, height; /* cells */
+    uint32_t first_umbrella, umbrella_count;
+    uint32_t first_cell; /* in list_starts; rows from the top */
+    uint32_t bits;       /* explicit vertices are in 2^-bits of a cell */
+} zt_umbrella_level;
+
+/* An entry of a cell's list: the umbrella's number within its level, and how the whole grid is shifted: (sx + 1) + 3 (sy + 1). */
+#define ZT_UMBRELLA_ENTRY UINT32_C(0x00FFFFFF)
+#define ZT_UMBRELLA_SHIFT 24 /* bits to the right */
+
+/* All arrays live until zt_close. */
+typedef struct zt_umbrella_info {
+    uint32_t grid_x, grid_y, level_count; /* cells of level 0 */
+    uint32_t base_count, umbrella_count, base_vertex_count, morph_vertex_count, variant_colour_count;
+    uint32_t explicit_vertex_count, explicit_colour_count, cell_count, entry_count, longest_list;
+    zt_umbrella_colour_mode colour_mode;
+    zt_background_kind background_kind;
+    uint32_t background_source;                 /* image or texture, or ZT_NONE */
+    float background[4], mean[4];               /* premultiplied linear light */
+    float prism_height, taper_start, taper_end; /* in cells of level 0 */
+    const zt_umbrella_level *levels;            /* level_count */
+    const zt_umbrella_base *bases;              /* base_count */
+    const zt_umbrella_texel *base_vertices;     /* base_vertex_count */
+    const zt_umbrella_texel *morph_vertices;    /* morph_vertex_count */
+    const zt_umbrella_colour *variant_colours;  /* variant_colour_count */
+    const zt_umbrella *umbrellas; /* umbrella_count, level after level; in a level from the lowest to the highest */
+    const zt_umbrella_offset *explicit_vertices; /* explicit_vertex_count */
+    const zt_umbrella_colour *explicit_colours;  /* explicit_colour_count */
+    const uint32_t *list_starts;                 /* cell_count + 1: where a cell's list begins in entries */
+    const uint32_t *entries;                     /* entry_count */
+} zt_umbrella_info;
+
+/* Errors: ZT_BAD_ARGUMENT (also for other kinds). */
+ZT_API zt_result zt_get_umbrellas(const zt_file *file, uint32_t texture, zt_umbrella_info *out);
+
 /* Metadata. zt_load_metadata reads the META chunk on first use (any thread) and gives the number of pairs; 0 without
  * META. Keys are sorted by bytes. Key and value are UTF-8 and NUL-terminated. */
 ZT_API zt_result zt_load_metadata(const zt_file *file, uint32_t *count, zt_diag *diag);
@@ -475,7 +581,7 @@ ZT_API zt_result zt_query_extents(const zt_file *file, const zt_request *request
 
 typedef enum zt_filter { ZT_FILTER_TRILINEAR = 0, ZT_FILTER_BILINEAR = 1, ZT_FILTER_NEAREST = 2 } zt_filter;
 
-/* A texture ready for lookups: the reference implementation of ztex.md section 12, zipmap.md section 3 and silmap.md section 6. Tiles are
+/* A texture ready for lookups: the reference implementation of ztex.md section 12, zipmap.md section 3, silmap.md section 6 and umbrella.md sections 4 and 5. Tiles are
  * decoded when a lookup first touches them and kept until the sampler is closed, within zt_limits.memory. */
 typedef struct zt_sampler zt_sampler;
 
@@ -485,6 +591,9 @@ typedef struct zt_sampler_options {
     uint32_t max_anisotropy;   /* 0 and 1: isotropic; at most 16; with ZT_FILTER_TRILINEAR only */
     uint32_t layer;            /* layer of the texture: base colour, normal ... (zt_get_layer) */
     uint32_t first_patch_only; /* 1: the root alone */
+    /* Umbrellas (umbrella.md section 4, step 5): a displacement towards the light, in cells of level 0, and how dark shadows are: 0 (none) to 1. Where patches or bases show
+     * umbrellas there are no shadows. */
+    double light_x, light_y, shadow;
 } zt_sampler_options;
 
 /* The file must stay open until zt_sampler_close. Errors: ZT_BAD_ARGUMENT, ZT_NO_MEMORY, ZT_LIMIT, ZT_UNSUPPORTED (an
@@ -505,6 +614,34 @@ typedef struct zt_point {
  * stored, weighted by coverage). Coordinates that are not finite give zeros. Errors: ZT_BAD_ARGUMENT; those of
  * zt_decode_region. On an error out is undefined. */
 ZT_API zt_result zt_sample(const zt_sampler *sampler, const zt_point *points, size_t count, float *out, zt_diag *diag);
+
+/* A ray through the prism over umbrellas (umbrella.md section 5): texture coordinates and height, in cells of level 0, where it enters and where it leaves, and the footprints of a
+ * pixel there, in cells of level 0. It leaves on the ground if z1 is 0. Texture coordinates may leave the unit square. */
+typedef struct zt_ray {
+    double u0, v0, z0;
+    double u1, v1, z1;
+    double footprint0, footprint1;
+} zt_ray;
+
+typedef enum zt_hit_kind {
+    ZT_HIT_NOTHING = 0,   /* the ray leaves the prism through a side or the roof */
+    ZT_HIT_FLAT = 1,      /* a lookup in 2-D on the ground, where heights have been tapered away */
+    ZT_HIT_UMBRELLA = 2,  /* an umbrella in 3-D */
+    ZT_HIT_BACKGROUND = 3 /* the ground between the umbrellas */
+} zt_hit_kind;
+
+typedef struct zt_hit {
+    float rgba[4];   /* premultiplied linear light; zeros for nothing. Not shaded, but for shadows */
+    float normal[3]; /* (x, y, z) of the prism, turned towards the eye; (0, 0, 1) but for umbrellas */
+    float t;         /* where along the ray, 0 to 1; of the unbent ray */
+    zt_hit_kind kind;
+    uint32_t umbrella; /* number within level 0, or ZT_NONE */
+} zt_hit;
+
+/* Traces count rays; pictures are looked up trilinearly whatever the sampler's filter. What is not an umbrella has t = 1. A ray that is not finite, or that has not ended after
+ * 2^22 cells and entries of lists, hits nothing. Errors: ZT_BAD_ARGUMENT (also for textures of other kinds); those of zt_sample. */
+ZT_API zt_result zt_sample_rays(const zt_sampler *sampler, const zt_ray *rays, size_t count, zt_hit *out,
+                                zt_diag *diag);
 
 /* What a sampler holds, for tuning: bytes of decoded tiles, cells of the patch grid, entries of all its lists, longest
  * list. */

@@ -189,6 +189,16 @@ typedef struct zt_silmap_desc {
 ZT_API zt_result zt_writer_add_silmap(zt_writer *writer, const zt_texture_desc *desc, const zt_silmap_desc *silmap,
                                       zt_diag *diag, uint32_t *texture);
 
+/* Umbrellas: desc->layers gives the one semantic. Everything is copied from info but what follows from the rest, which may
+ * hold anything:
+ * - of levels width, height, first_umbrella and first_cell; of bases and umbrellas first_vertex, first_colour and, unless it is
+ *   ZT_NONE, first_morph; arrays are in the order of what owns them, without gaps;
+ * - explicit_colour_count (explicit_vertex_count and one for each umbrella with vertices), cell_count, longest_list.
+ * list_starts begins with 0; lists are sorted (R8315). There are at most 2^30 - 1 explicit vertices and entries.
+ * Errors as zt_writer_add_texture. */
+ZT_API zt_result zt_writer_add_umbrellas(zt_writer *writer, const zt_texture_desc *desc, const zt_umbrella_info *info,
+                                         zt_diag *diag, uint32_t *texture);
+
 /* Texels for level 0 of a minified image (silmap.md section 7): cells_x x cells_y x 4 floats out of the samples, four floats each, both
  * premultiplied linear light. One layer of cells. samples_x and samples_y are cells_x and cells_y, or one more (not repeating).
  * Errors: ZT_BAD_ARGUMENT. */

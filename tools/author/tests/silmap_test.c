@@ -3,7 +3,8 @@
  * Properties of author_silmap_fit. Straight edges of every direction are held to less than the grid that points stand on, a square whose sides
  * are on that grid exactly; the colours of flat regions stay pure; a gradient gets no cuts; a line thinner than a cell is
  * reported; no picture gets worse than the bilinear texture of the same grid; and the bytes do not depend on threads. Every filter, number of channels, way to
- * repeat and size of grid gives a valid silmap; colours under alpha stay in their range; progress never goes back. It matters
+ * repeat and size of grid gives a valid silmap; colours under alpha stay in their range; progress never goes back. An edge is held at the border as
+ * well as inside; with paths_only nothing else is cut; hinting is worth it, is the same each time and moves nothing further than it says. It matters
  * because these are the reasons to make a silmap instead of a bilinear texture or a distance field.
  */
 #include <math.h>
@@ -317,6 +318,146 @@ static void test_too_small(void) {
     author_picture_release(&picture);
 }
 
+/* Mixed as if drawn: paint takes one place a texel. */
+static author_picture smooth(uint32_t edge, shade colour) {
+    author_picture fine = paint(8 * edge, 8 * edge, 1, colour), picture;
+    author_run run = {0};
+    if (author_picture_create(&run, edge, edge, 1, &picture) != AUTHOR_OK)
+        abort();
+    for (size_t i = 0; i < (size_t)64 * edge * edge; i++)
+        picture.texels[i / (8 * edge) / 8 * edge + i % (8 * edge) / 8] += fine.texels[i] / 64;
+    author_picture_release(&fine);
+    return picture;
+}
+
+/* ---- borders, and where a drawing lies -------------------------------------------------------------------- */
+
+/* Mean distance of what cell (x, y) shows from the half plane; 0 where its edge does not pass. *soft gets the places that show neither side. */
+static double cell_error(const author_silmap_result *r, uint32_t x, uint32_t y, int *soft) {
+    const int places = 37;
+    zt_silmap_cell cell;
+    double sum = 0, weights[4];
+    int inside = 0;
+    zt_silmap_cell_at(r->cells, CELLS, CELLS, 0, 0, x, y, &cell);
+    for (int i = 0; i < places * places; i++) {
+        double u = (i % places + 0.5) / places, v = (i / places + 0.5) / places, shown = 0;
+        zt_silmap_weights(ZT_SILMAP_CONTINUOUS, &cell, zt_silmap_quadrant(&cell, u, v), u, v, weights);
+        for (uint32_t k = 0; k < 4; k++)
+            shown += weights[k] * (double)r->samples.texels[(y + k / 2) * (CELLS + 1) + x + k % 2];
+        int wanted = in_half((x + u) / CELLS, (y + v) / CELLS);
+        inside += wanted;
+        *soft += shown > 0.05 && shown < 0.95;
+        sum += fabs(shown - wanted);
+    }
+    return inside > 0 && inside < places * places ? sum / (places * places) : 0;
+}
+
+static float black_and_white(double x, double y, uint32_t channel) {
+    (void)channel;
+    return in_half(x, y) ? 1.0f : 0.0f;
+}
+
+/* An edge that leaves a texture that does not repeat is sharp to the last pixel, and held nearly as well as elsewhere: its last piece is at right angles
+ * to the border (spec/silmap.md section 3), so that the point has to be near to it. */
+static void test_border(void) {
+    double inner = 0, border = 0;
+    int inner_count = 0, border_count = 0, soft = 0;
+    for (int i = 0; i < 12; i++) {
+        turn = 0.07 + 0.523 * i;
+        author_picture picture = smooth(8 * CELLS, black_and_white);
+        author_silmap_input input = {.picture = &picture};
+        author_silmap_options options = {.cells_x = CELLS, .cells_y = CELLS, .plain = 1};
+        author_silmap_result result = fit_with(&input, &options, NULL);
+        for (uint32_t c = 0; c < CELLS * CELLS; c++) {
+            uint32_t x = c % CELLS, y = c / CELLS;
+            int outer = x == 0 || y == 0 || x == CELLS - 1 || y == CELLS - 1;
+            double error = cell_error(&result, x, y, &soft);
+            if (!(error > 0))
+                continue;
+            *(outer ? &border : &inner) += error;
+            *(outer ? &border_count : &inner_count) += 1;
+        }
+        author_silmap_release(&result);
+        author_picture_release(&picture);
+    }
+    CHECK(border_count >= 24 && inner_count > 180);
+    CHECK(soft == 0);
+    CHECK(border / border_count <= 2 * inner / inner_count);
+}
+
+/* Only edges that are drawn are cut, and none is drawn. */
+static void test_nothing_drawn(void) {
+    static const shade pictures[] = {photograph, half_plane};
+    for (int i = 0; i < 2; i++) {
+        author_picture picture = paint(EDGE, EDGE, 3, pictures[i]);
+        author_silmap_input input = {.picture = &picture, .paths_only = 1};
+        author_silmap_options options = {.cells_x = CELLS, .cells_y = CELLS};
+        author_silmap_result result = fit_with(&input, &options, NULL);
+        CHECK(result.cut_cells == 0);
+        author_silmap_release(&result);
+        author_picture_release(&picture);
+    }
+}
+
+static author_silmap_place placed = {0, 0, 1, 1};
+
+/* Two bars whose sides are where no points are. */
+static float bars(double x, double y, uint32_t channel) {
+    double u = (x - placed.x) / placed.width * CELLS, v = (y - placed.y) / placed.height * CELLS;
+    (void)channel;
+    return (u > 3.01 && u < 6.02 && v > 2.49) || (v > 9.26 && v < 12.99 && u > 3.01 && u < 12.77) ? 1.0f : 0.0f;
+}
+
+static int out_by_half_a_cell(double start, double size) {
+    double most = 0.5 / CELLS + 1e-12;
+    return start <= 0 && start >= -most && start + size >= 1 && start + size <= 1 + most;
+}
+
+/* The same place each time, not further off than is said, and worth it; what has no edges along the axes stays where it is. */
+static void test_hint(void) {
+    author_run run = {0};
+    author_silmap_options options = {.cells_x = CELLS, .cells_y = CELLS, .plain = 1};
+    double wrong[2];
+    for (int hinted = 0; hinted < 2; hinted++) {
+        author_picture picture = smooth(16 * CELLS, bars);
+        author_silmap_input input = {.picture = &picture};
+        author_silmap_result result = fit_with(&input, &options, NULL);
+        wrong[hinted] = result.disagreement;
+        author_silmap_release(&result);
+        author_silmap_place place, again;
+        CHECK(author_silmap_hint(&run, &picture, CELLS, CELLS, 1, &place) == AUTHOR_OK);
+        CHECK(author_silmap_hint(&run, &picture, CELLS, CELLS, 1, &again) == AUTHOR_OK);
+        CHECK(memcmp(&place, &again, sizeof place) == 0);
+        CHECK(out_by_half_a_cell(place.x, place.width) && out_by_half_a_cell(place.y, place.height));
+        placed = place;
+        author_picture_release(&picture);
+    }
+    CHECK(wrong[1] * 3 < wrong[0]);
+    turn = 0.5;
+    author_picture slanted = smooth(16 * CELLS, black_and_white);
+    author_silmap_place place;
+    CHECK(author_silmap_hint(&run, &slanted, CELLS, CELLS, 1, &place) == AUTHOR_OK);
+    CHECK(memcmp(&place, &(author_silmap_place){0, 0, 1, 1}, sizeof place) == 0);
+    CHECK(author_silmap_hint(&run, &slanted, 16 * CELLS + 1, 1, 1, &place) == AUTHOR_BAD_INPUT && run.error[0]);
+    author_picture_release(&slanted);
+}
+
+/* Of one channel the area counts, unless it is equal; of colours the PSNR. */
+static void test_better(void) {
+    author_silmap_result a = {.samples = {.channels = 1}, .psnr = 20, .disagreement = 0.01}, b = a;
+    CHECK(!author_silmap_is_better(&a, &b) && !author_silmap_is_better(&b, &a));
+    b.disagreement = 0.02;
+    b.psnr = 30;
+    CHECK(author_silmap_is_better(&a, &b) && !author_silmap_is_better(&b, &a));
+    a.samples.channels = b.samples.channels = 3;
+    CHECK(author_silmap_is_better(&b, &a) && !author_silmap_is_better(&a, &b));
+    a.samples.channels = b.samples.channels = 1;
+    a.disagreement = b.disagreement = 0;
+    CHECK(author_silmap_is_better(&b, &a) && !author_silmap_is_better(&a, &b));
+    b.psnr = INFINITY;
+    CHECK(author_silmap_is_better(&b, &a));
+}
+
 /* ---- progress ------------------------------------------------------------------------------------------- */
 
 static int note_progress(void *user, const char *stage, double done) {
@@ -382,6 +523,10 @@ int main(void) {
     test_filters();
     test_repeat();
     test_too_small();
+    test_border();
+    test_nothing_drawn();
+    test_hint();
+    test_better();
     test_progress();
     test_quality();
     return failures != 0;

@@ -265,7 +265,7 @@ class Documents(Scene):
 
         walk(schema)
         known = set()
-        for name in ("scene.c", "scene_image.c", "scene_silmap.c"):
+        for name in ("scene.c", "scene_image.c", "scene_silmap.c", "scene_umbrellas.c", "scene_bases.c"):
             with open(os.path.join(HERE, "..", name)) as file:
                 text = file.read()
             for block in re.findall(r"\*const (?:known|option_keys|ways)\[\] = \{(.*?)\};", text, re.S):
