@@ -6,7 +6,8 @@
  * left between them is a difference of light, not of detail. A gain that varies smoothly over the patch (vignetting, shading), and an
  * offset, are fitted to it by robust least squares. The Poisson equation with the patch's gradient as guidance has as its solution
  * the patch plus the harmonic function e that is, on the edge, ground minus patch. There e is the low-passed difference, never that of
- * single texels: detail on the edge that the ground lacks would otherwise be smeared into the patch.
+ * single texels: detail on the edge that the ground lacks would otherwise be smeared into the patch. Gains are of light, but e is a difference of
+ * about what the eye sees, roots of light: what is nothing on a bright edge would be a strong cast where the patch is dark.
  *
  * Where the patch is clipped, its own light is lost and neither gain nor gradient knows it. There the difference goes to the clipped texels
  * themselves, so that they are, on the whole, as light as the ground.
@@ -23,8 +24,28 @@
 #define FITTED 40000 /* cells that are enough for so few unknowns */
 #define DARK 0.02f   /* linear; below it a step is seen less and less well */
 #define MOST_ERROR 0.25f
-#define CLIPPED 0.05f  /* of a cell: from here on it says nothing about the rest */
-#define MOST_LOST 2.0f /* of light that clipping may have taken */
+#define INSET 2        /* cells; what the ground shows nearer to the edge is blurred with what lies outside */
+#define DEPTHS 3       /* rings of cells that are looked at from there on */
+#define SMOOTHINGS 8   /* of what was found along the edge, twice */
+#define ACCURATE 0.01f /* share of the light by which two pictures of plain colour differ */
+#define ROOT_ACCURATE 0.004f
+#define MISPLACED 0.25f /* cells by which edges seem to lie elsewhere, for they are not equally sharp */
+#define NO_OFFSET 0.05  /* how much is to be said against an offset, which is only seen where it is dark */
+#define CLIPPED 0.05f   /* of a cell: from here on it says nothing about the rest */
+#define MOST_LOST 2.0f  /* of light that clipping may have taken */
+#define MOST_GAINED 0.5f
+
+#define BLACK 0.002f /* light that is added before a root is taken: as steep at black as sRGB */
+
+static float root_of(float light) {
+    return sqrtf(fmaxf(light, 0.0f) + BLACK);
+}
+
+/* Light to whose root something is added: not below black. */
+static float shifted(float light, float by) {
+    float root = root_of(light) + by;
+    return root > 0.0f ? fmaxf(root * root - BLACK, 0.0f) : 0.0f;
+}
 
 typedef struct fit {
     double terms[TERMS]; /* the last one is the offset */
@@ -73,14 +94,14 @@ static float cell_value(const author_grid *g, const fit *f, uint32_t channel, si
 typedef struct samples {
     size_t count;
     double (*at)[2];
-    float *patch, *ground, *weight, *rest, *sorted;
+    float *patch, *ground, *accuracy, *weight, *rest, *sorted;
 } samples;
 
 /* Without evidence the gain is even, and the offset nothing. */
 static void regularise(double a[TERMS][TERMS], int free_terms) {
     double size = a[0][0] > 0.0 ? a[0][0] : 1.0;
     for (int i = 0; i < TERMS; i++)
-        a[i][i] += i == 0 ? 1e-9 * size : 1e-4 * (i + 1 == TERMS ? 10.0 * a[i][i] + size : size);
+        a[i][i] += i == 0 ? 1e-9 * size : i + 1 == TERMS ? NO_OFFSET * a[i][i] : 1e-4 * size;
     for (int i = free_terms; i + 1 < TERMS; i++)
         a[i][i] += 1e12 * size;
 }
@@ -109,17 +130,24 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Huber's weights, times what a step is worth to the eye. */
+/* Standard deviation of what a cell of ground says: where the picture changes, patch and ground are never quite equally sharp. Such
+ * cells would make a fit of the darker by the lighter ones too flat, and too light where it is dark. */
+static float accuracy_of(float ground, float change) {
+    float plain = ACCURATE * (fmaxf(ground, 0.0f) + DARK), busy = MISPLACED * change;
+    return sqrtf(plain * plain + busy * busy);
+}
+
+/* Huber's weights. */
 static void reweigh(samples *s, const fit *f) {
     for (size_t i = 0; i < s->count; i++) {
         float value = (float)gain_at(f, s->at[i][0], s->at[i][1]) * s->patch[i] + (float)f->terms[TERMS - 1];
-        s->rest[i] = fabsf(value - s->ground[i]) / (fmaxf(s->ground[i], 0.0f) + DARK);
+        s->rest[i] = fabsf(value - s->ground[i]) / s->accuracy[i];
         s->sorted[i] = s->rest[i];
     }
     qsort(s->sorted, s->count, sizeof *s->sorted, by_value);
     float bend = 1.345f * 1.4826f * s->sorted[s->count / 2] + 1e-6f;
     for (size_t i = 0; i < s->count; i++) {
-        float seen = 1.0f / (fmaxf(s->ground[i], 0.0f) + DARK);
+        float seen = 1.0f / s->accuracy[i];
         s->weight[i] = seen * seen * (s->rest[i] > bend ? bend / s->rest[i] : 1.0f);
     }
 }
@@ -140,7 +168,8 @@ static void collect(samples *s, const author_grid *g, uint32_t channel) {
         cell_place(g, i, s->at[k]);
         s->patch[k] = patch;
         s->ground[k] = ground;
-        s->weight[k] = 1.0f / ((ground + DARK) * (ground + DARK));
+        s->accuracy[k] = accuracy_of(ground, g->change[channel][i]);
+        s->weight[k] = 1.0f / (s->accuracy[k] * s->accuracy[k]);
     }
 }
 
@@ -174,13 +203,14 @@ static void fit_channel(samples *s, const author_grid *g, uint32_t channel, int 
 static author_result fit_gains(author_run *run, const author_grid *g, int smooth, fit *fits) {
     size_t room = FITTED + 2;
     samples s = {.at = author_alloc(run, room, sizeof *s.at)};
-    float *floats = author_alloc(run, 5 * room, sizeof *floats);
+    float *floats = author_alloc(run, 6 * room, sizeof *floats);
     if (s.at && floats) {
         s.patch = floats;
         s.ground = floats + room;
         s.weight = floats + 2 * room;
         s.rest = floats + 3 * room;
         s.sorted = floats + 4 * room;
+        s.accuracy = floats + 5 * room;
         for (uint32_t c = 0; c < g->channels; c++)
             fit_channel(&s, g, c, smooth, &fits[c]);
     }
@@ -202,6 +232,16 @@ static size_t ring_cell(const author_grid *g, size_t i) {
         return i * w + w - 1;
     i -= h - 1;
     return i < w - 1 ? (h - 1) * w + w - 1 - i : (h - 1 - (i - (w - 1))) * w;
+}
+
+/* The cell a little further in, where the patch is not transparent any more. */
+static size_t inner_cell(const author_grid *g, size_t cell, size_t depth) {
+    size_t w = g->width, h = g->height, shorter = w < h ? w : h;
+    size_t inset = shorter / 4 < depth ? shorter / 4 : depth;
+    size_t x = cell % w, y = cell / w;
+    x = x < inset ? inset : x > w - 1 - inset ? w - 1 - inset : x;
+    y = y < inset ? inset : y > h - 1 - inset ? h - 1 - inset : y;
+    return y * w + x;
 }
 
 static size_t ring_length(const author_grid *g) {
@@ -230,7 +270,7 @@ static int close_gaps(float *ring, const uint8_t *known, size_t length) {
     return 1;
 }
 
-/* Binomial of five along the closed ring, so that an edge a fraction of a texel off does not make a ripple. */
+/* Binomial of five along the closed ring. */
 static void smooth_ring(const float *ring, float *out, size_t length) {
     static const float weights[5] = {1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f / 16, 1.0f / 16};
     for (size_t i = 0; i < length; i++) {
@@ -240,26 +280,50 @@ static void smooth_ring(const float *ring, float *out, size_t length) {
     }
 }
 
+enum { PATCH, GROUND, WEIGHT, SUMS };
+
+/* Light of the cells behind the i-th of the ring, of patch and ground, times their weights: cells of plain colour know best. */
+static void look_behind(const author_grid *g, uint32_t channel, const fit *f, size_t i, float *const sums[SUMS]) {
+    for (size_t depth = INSET; depth < INSET + DEPTHS; depth++) {
+        size_t cell = inner_cell(g, ring_cell(g, i), depth);
+        if (!g->valid[cell] || g->clipped[channel][cell] >= CLIPPED)
+            continue;
+        float ground = g->ground[channel][cell];
+        float busy = MISPLACED * g->change[channel][cell] / (2.0f * root_of(ground));
+        float w = ROOT_ACCURATE * ROOT_ACCURATE / (ROOT_ACCURATE * ROOT_ACCURATE + busy * busy);
+        sums[PATCH][i] += w * fmaxf(cell_value(g, f, channel, cell), 0.0f);
+        sums[GROUND][i] += w * fmaxf(ground, 0.0f);
+        sums[WEIGHT][i] += w;
+    }
+}
+
+/* Light is averaged before roots are taken: those of an edge that is less sharp are larger on the average. */
 static author_result fill_ring(author_run *run, const author_grid *g, uint32_t channel, const fit *f, float *out) {
     size_t length = ring_length(g);
-    float *ring = author_alloc(run, 2 * length, sizeof *ring), *smooth = ring + length;
+    float *room = author_alloc(run, (SUMS + 1) * length, sizeof *room), *scratch = room + SUMS * length;
+    float *const sums[SUMS] = {room, room + length, room + 2 * length};
     uint8_t *known = author_alloc(run, length, 1);
-    if (!ring || !known) {
-        free(ring);
+    if (!room || !known) {
+        free(room);
         free(known);
         return AUTHOR_NO_MEMORY;
     }
+    for (size_t i = 0; i < length; i++)
+        look_behind(g, channel, f, i, sums);
+    for (int i = 0; i < SUMS * SMOOTHINGS; i++) {
+        smooth_ring(sums[i % SUMS], scratch, length);
+        smooth_ring(scratch, sums[i % SUMS], length);
+    }
     for (size_t i = 0; i < length; i++) {
-        size_t cell = ring_cell(g, i);
-        known[i] = g->valid[cell] && g->clipped[channel][cell] < CLIPPED;
-        ring[i] = fminf(fmaxf(g->ground[channel][cell] - cell_value(g, f, channel, cell), -MOST_ERROR), MOST_ERROR);
+        float weight = sums[WEIGHT][i];
+        known[i] = weight > 0.0f;
+        float error = known[i] ? root_of(sums[GROUND][i] / weight) - root_of(sums[PATCH][i] / weight) : 0.0f;
+        scratch[i] = fminf(fmaxf(error, -MOST_ERROR), MOST_ERROR);
     }
-    if (close_gaps(ring, known, length)) {
-        smooth_ring(ring, smooth, length);
+    if (close_gaps(scratch, known, length))
         for (size_t i = 0; i < length; i++)
-            out[ring_cell(g, i)] = smooth[i];
-    }
-    free(ring);
+            out[ring_cell(g, i)] = scratch[i];
+    free(room);
     free(known);
     return AUTHOR_OK;
 }
@@ -271,14 +335,21 @@ static author_result solve_rest(author_run *run, const author_grid *g, const fit
     return result == AUTHOR_OK ? author_harmonic(run, rest->planes, g->channels, g->width, g->height) : result;
 }
 
-/* What clipping took, for the clipped texels of each cell to share. */
+/* Share of a cell whose light clipping changes: of what the patch's camera cut off when light is missing, else of what is so light that the
+ * ground's camera may have cut it off. */
+static float lost_share(const author_grid *g, uint32_t c, size_t cell, float value, float missing) {
+    return !g->bounded ? 0.0f : missing > 0.0f ? g->clipped[c][cell] : adjust_clipping(value);
+}
+
+/* What clipping took of the patch, or, below 0, of the ground, for the clipped texels of each cell to share. */
 static void find_lost(const author_grid *g, const fit *fits, const author_planes *rest, author_planes *lost) {
     size_t cells = (size_t)g->width * g->height;
     for (uint32_t c = 0; c < g->channels; c++)
         for (size_t i = 0; i < cells; i++) {
-            float missing = g->ground[c][i] - cell_value(g, &fits[c], c, i) - rest->planes[c][i];
-            if (g->valid[i] && g->clipped[c][i] > 0.0f && missing > 0.0f)
-                lost->planes[c][i] = fminf(missing / fmaxf(g->clipped[c][i], CLIPPED), MOST_LOST);
+            float value = shifted(cell_value(g, &fits[c], c, i), rest->planes[c][i]);
+            float missing = g->ground[c][i] - value, share = lost_share(g, c, i, value, missing);
+            if (g->valid[i] && share > 0.0f)
+                lost->planes[c][i] = fminf(fmaxf(missing / fmaxf(share, CLIPPED), -MOST_GAINED), MOST_LOST);
         }
 }
 
@@ -324,10 +395,10 @@ static void add_rest(const apply *a, uint32_t y, uint32_t c, const float *before
     for (uint32_t x = 0; x < w; x++) {
         between at = find_between(x, w, cells);
         float own = rest[at.first] + at.share * (rest[at.second] - rest[at.first]);
-        float clipped = a->grid->bounded ? adjust_clipping(before[x]) : 0.0f;
-        if (clipped > 0.0f)
-            own += clipped * (lost[at.first] + at.share * (lost[at.second] - lost[at.first]));
-        row[(size_t)x * channels] += own;
+        row[(size_t)x * channels] = shifted(row[(size_t)x * channels], own);
+        float light = lost[at.first] + at.share * (lost[at.second] - lost[at.first]);
+        if (a->grid->bounded)
+            row[(size_t)x * channels] += light * adjust_clipping(light > 0.0f ? before[x] : row[(size_t)x * channels]);
     }
 }
 
@@ -378,8 +449,11 @@ static void apply_to_grid(author_grid *g, const fit *fits, const author_planes *
     for (uint32_t c = 0; c < g->channels; c++)
         for (size_t i = 0; i < cells; i++) {
             float value = cell_value(g, &fits[c], c, i);
-            if (rest)
-                value += rest->planes[c][i] + g->clipped[c][i] * lost->planes[c][i];
+            if (rest) {
+                float light = lost->planes[c][i];
+                value = shifted(value, rest->planes[c][i]);
+                value += lost_share(g, c, i, value, light) * light;
+            }
             g->patch[c][i] = fmaxf(value, 0.0f);
         }
 }

@@ -8,6 +8,7 @@
 
 #define FEWEST_CELLS 3
 #define KNOWN 0.25f /* of a cell's neighbourhood, smoothed */
+#define AROUND 2    /* cells */
 
 void adjust_planes_release(author_planes *planes) {
     for (int c = 0; c < 3; c++)
@@ -31,6 +32,7 @@ void adjust_grid_release(author_grid *grid) {
     for (int c = 0; c < 3; c++) {
         free(grid->patch[c]);
         free(grid->ground[c]);
+        free(grid->change[c]);
         free(grid->clipped[c]);
     }
     free(grid->valid);
@@ -220,6 +222,35 @@ static author_result smooth_all(author_run *run, filling *f) {
     return AUTHOR_OK;
 }
 
+/* ---- where the ground is busy -------------------------------------------------------------------------------- */
+
+/* Least and most of the known cells up to AROUND away, of which there is one. */
+static float range_around(const author_grid *g, const float *plane, uint32_t x, uint32_t y) {
+    uint32_t x0 = x < AROUND ? 0 : x - AROUND, x1 = x + AROUND < g->width ? x + AROUND : g->width - 1;
+    uint32_t y0 = y < AROUND ? 0 : y - AROUND, y1 = y + AROUND < g->height ? y + AROUND : g->height - 1;
+    float low = HUGE_VALF, high = -HUGE_VALF;
+    for (uint32_t j = y0; j <= y1; j++)
+        for (uint32_t i = x0; i <= x1; i++) {
+            size_t cell = (size_t)j * g->width + i;
+            low = g->valid[cell] ? fminf(low, plane[cell]) : low;
+            high = g->valid[cell] ? fmaxf(high, plane[cell]) : high;
+        }
+    return high - low;
+}
+
+static author_result change_row(void *context, size_t y, unsigned worker, char *error) {
+    const author_grid *g = context;
+    (void)worker;
+    (void)error;
+    for (uint32_t c = 0; c < g->channels; c++)
+        for (uint32_t x = 0; x < g->width; x++) {
+            size_t cell = y * g->width + x;
+            if (g->valid[cell])
+                g->change[c][cell] = range_around(g, g->ground[c], x, (uint32_t)y) / (2 * AROUND);
+        }
+    return AUTHOR_OK;
+}
+
 /* ---- all of it ----------------------------------------------------------------------------------------------- */
 
 static author_result fill_grid(author_run *run, filling *f, const author_ground *grounds, size_t count) {
@@ -230,7 +261,9 @@ static author_result fill_grid(author_run *run, filling *f, const author_ground 
             return author_fail(run, AUTHOR_BAD_INPUT, "the placement cannot be inverted");
         result = author_for(run, "colours", f->grid->height, ground_row, f);
     }
-    return result == AUTHOR_OK ? smooth_all(run, f) : result;
+    if (result == AUTHOR_OK)
+        result = smooth_all(run, f);
+    return result == AUTHOR_OK ? author_for(run, "colours", f->grid->height, change_row, f->grid) : result;
 }
 
 static author_result allocate(author_run *run, author_grid *g) {
@@ -239,6 +272,7 @@ static author_result allocate(author_run *run, author_grid *g) {
     for (uint32_t c = 0; c < g->channels; c++) {
         made = made && (g->patch[c] = author_alloc(run, cells, sizeof(float))) != NULL;
         made = made && (g->ground[c] = author_alloc(run, cells, sizeof(float))) != NULL;
+        made = made && (g->change[c] = author_alloc(run, cells, sizeof(float))) != NULL;
         made = made && (g->clipped[c] = author_alloc(run, cells, sizeof(float))) != NULL;
     }
     return made ? AUTHOR_OK : AUTHOR_NO_MEMORY;

@@ -95,7 +95,31 @@ author_result view_balance(author_run *run, const luma *coarse, const luma *fine
                            float weights[2][3]);
 void view_release(view *v);
 
-/* ---- one pair (zipmap_pair.c, zipmap_refine.c, zipmap_unique.c) -------------------------------------------- */
+/* ---- steps of a refinement (zipmap_motion.c) ---------------------------------------------------------------- */
+
+enum { MOTION = 8, MOST_UNKNOWNS = 38, RESIDUAL_BINS = 2048 };
+
+/* How often residuals are how large. */
+typedef struct residuals {
+    uint32_t bins[RESIDUAL_BINS];
+    size_t count;
+} residuals;
+
+void residuals_add(residuals *all, double value);
+/* Standard deviation, from the median, which a third of wrong residuals does not move far. */
+double residuals_deviation(const residuals *all);
+
+/* How brightness at a place of the footprint's box (-1 to 1) changes with the motion; gradient: of the warped picture, a texel. */
+void motion_row(const view *v, const double place[2], const double gradient[2], double row[MOTION]);
+/* The motion, then the matrix. */
+void motion_apply(const view *v, const double d[MOTION], plane *matrix);
+/* How far a corner moves at most, in texels of the coarse picture. */
+double motion_travel(const view *v, const double d[MOTION]);
+/* Expected error of the footprint's corners, in texels of the coarse picture, where residuals have a deviation of 1. normal: lower
+ * triangle of the normal equations, the motion first. */
+double motion_spread(const view *v, const double *normal, size_t unknowns);
+
+/* ---- one pair (zipmap_pair.c, zipmap_refine.c, zipmap_polish.c, zipmap_unique.c) ---------------------------- */
 
 typedef struct photo {
     uint32_t pixels[2]; /* width and height of the photograph; level 0 of light may be smaller */
@@ -134,6 +158,8 @@ author_result refine_plane(author_run *run, const photo *coarse, const photo *fi
                            refine_result *out);
 author_result pair_refine(author_run *run, const photo *photos, const author_register_options *options, size_t texels,
                           edge *e);
+/* Solves for place and light together, from a place that is nearly right; without a result the edge stays as it is. */
+author_result pair_polish(author_run *run, const photo *photos, size_t texels, edge *e);
 /* Whether fine would fit as well elsewhere in coarse. */
 author_result pair_unique(author_run *run, const photo *photos, edge *e);
 

@@ -14,7 +14,6 @@
 #include "zipmap_private.h"
 
 enum {
-    MOTION = 8,
     CONTRAST = MOTION,
     BLUR,
     UNKNOWNS,
@@ -25,15 +24,13 @@ enum {
     MOST_REACH = 12, /* a tenth of the footprint's shorter side in between */
     BLOCKS = 6,      /* along each side, of the residual */
     MOST_PASSES = 24,
-    SHARPENINGS = 2, /* times that sharpness is matched */
-    HISTOGRAM = 2048 /* bins of the median of residuals */
+    SHARPENINGS = 2 /* times that sharpness is matched */
 };
 
-static const double HISTOGRAM_REACH = 0.25; /* of brightness; larger residuals fall into the last bin */
-static const double MOST_TRAVEL = 0.35;     /* of the footprint's width, in one step */
-static const double MOST_WORSE = 1.1;       /* by what factor the noise may grow on the way */
-static const double MOST_DRIFT = 0.1;       /* of the fine picture's size, that a corner ends from where it began */
-static const float DARK = 0.03F;            /* brightness below which logarithms level off */
+static const double MOST_TRAVEL = 0.35;  /* of the footprint's width, in one step */
+static const double MOST_WORSE = 1.1;    /* by what factor the noise may grow on the way */
+static const double MOST_DRIFT = 0.1;    /* of the fine picture's size, that a corner ends from where it began */
+static const float DARK = 0.03F;         /* brightness below which logarithms level off */
 static const double PASSES_PER_BLUR = 4; /* a pass adds an eighth of a squared texel of variance, a blur of 1 a half */
 static const double JITTER = 0.1;        /* texels that detail is off by itself: cameras sample, compress and sharpen */
 static const double TOLERANCE = 3;       /* residuals of so many standard deviations count a quarter */
@@ -57,8 +54,7 @@ typedef struct texel {
 
 typedef struct sums {
     double normal[UNKNOWNS * UNKNOWNS], right[UNKNOWNS];
-    size_t count;
-    uint32_t histogram[HISTOGRAM];
+    residuals residuals;
 } sums;
 
 /* ---- the fine picture in the frame of the coarse one ------------------------------------------------------ */
@@ -178,18 +174,10 @@ static bool texel_at(const model *m, size_t x, size_t y, texel *out) {
     return true;
 }
 
-/* How the prediction changes with the unknowns; the motion is one of s and t. */
+/* How the prediction changes with the unknowns. */
 static void row_of(const model *m, const texel *p, double row[UNKNOWNS]) {
-    double gs = p->gradient[0] * m->coarse.width / 2, gt = p->gradient[1] * m->coarse.height / 2;
-    double radial = gs * p->s + gt * p->t;
-    row[0] = gs;
-    row[1] = gs * p->s;
-    row[2] = gs * p->t;
-    row[3] = gt;
-    row[4] = gt * p->s;
-    row[5] = gt * p->t;
-    row[6] = radial * p->s;
-    row[7] = radial * p->t;
+    const double place[2] = {p->s, p->t};
+    motion_row(&m->v, place, p->gradient, row);
     row[CONTRAST] = p->fine;
     row[BLUR] = p->blur;
 }
@@ -205,9 +193,7 @@ static void add_texel(sums *s, const model *m, const texel *t) {
         for (int j = 0; j <= i; j++)
             s->normal[i * UNKNOWNS + j] += scaled * row[j];
     }
-    double bin = fabs(t->residual) * (HISTOGRAM / HISTOGRAM_REACH);
-    s->histogram[bin < HISTOGRAM - 1 ? (size_t)bin : HISTOGRAM - 1]++;
-    s->count++;
+    residuals_add(&s->residuals, t->residual);
 }
 
 static void add_all(const model *m, sums *out) {
@@ -220,20 +206,12 @@ static void add_all(const model *m, sums *out) {
         }
 }
 
-/* From the median, which a third of wrong texels does not move far. */
-static double noise_of(const sums *s) {
-    size_t below = 0, i = 0;
-    while (i < HISTOGRAM - 1 && (below += s->histogram[i]) * 2 < s->count)
-        i++;
-    return 1.4826 * ((double)i + 0.5) * HISTOGRAM_REACH / HISTOGRAM;
-}
-
 /* Solves for the first `moving` unknowns of the motion and those of the light; the others stay 0. */
 static bool solve(const sums *s, int moving, double step[UNKNOWNS]) {
     double a[UNKNOWNS * UNKNOWNS];
     memcpy(a, s->normal, sizeof a);
     memcpy(step, s->right, sizeof s->right);
-    if (s->count < 4 * (size_t)UNKNOWNS)
+    if (s->residuals.count < 4 * (size_t)UNKNOWNS)
         return false;
     for (int i = 0; i < UNKNOWNS; i++) {
         bool held = i >= moving && i < MOTION;
@@ -244,34 +222,6 @@ static bool solve(const sums *s, int moving, double step[UNKNOWNS]) {
         step[i] = held ? 0 : step[i];
     }
     return plane_solve(a, step, UNKNOWNS);
-}
-
-/* Coarse coordinates to places in the footprint's box. */
-static plane box_of(const view *v) {
-    double w = v->box[2] - v->box[0], h = v->box[3] - v->box[1];
-    return (plane){{2.0 * v->size[0] / w, 0, -2.0 * v->box[0] / w - 1, 0, 2.0 * v->size[1] / h,
-                    -2.0 * v->box[1] / h - 1, 0, 0, 1}};
-}
-
-/* The motion, then the matrix. */
-static void move(const view *v, plane *matrix, const double d[MOTION]) {
-    plane motion = {{1 + d[1], d[2], d[0], d[4], 1 + d[5], d[3], -d[6], -d[7], 1}};
-    plane box = box_of(v), back;
-    plane_inverse(&box, &back);
-    plane a = plane_multiply(&motion, &box), b = plane_multiply(&back, &a);
-    *matrix = plane_multiply(matrix, &b);
-}
-
-/* How far a corner moves, in texels. */
-static double travel(const view *v, const double d[MOTION]) {
-    double most = 0;
-    for (int i = 0; i < 4; i++) {
-        double s = i & 1 ? 1 : -1, t = i & 2 ? 1 : -1;
-        double ds = d[0] + d[1] * s + d[2] * t + s * (d[6] * s + d[7] * t);
-        double dt = d[3] + d[4] * s + d[5] * t + t * (d[6] * s + d[7] * t);
-        most = fmax(most, hypot(ds * v->coarse.width / 2, dt * v->coarse.height / 2));
-    }
-    return most;
 }
 
 /* ---- one level -------------------------------------------------------------------------------------------- */
@@ -289,7 +239,7 @@ static author_result fit_light(author_run *run, model *m, const plane *matrix, u
     m->contrast += step[CONTRAST];
     m->blur += step[BLUR];
     add_all(m, s);
-    m->noise = noise_of(s);
+    m->noise = residuals_deviation(&s->residuals);
     return AUTHOR_OK;
 }
 
@@ -303,10 +253,10 @@ static bool take_step(model *m, plane *matrix, int moving, const sums *s, double
     double step[UNKNOWNS];
     if (!solve(s, moving, step))
         return false;
-    *far = travel(&m->v, step);
+    *far = motion_travel(&m->v, step);
     if (!(*far < MOST_TRAVEL * m->v.coarse.width))
         return false;
-    move(&m->v, matrix, step);
+    motion_apply(&m->v, step, matrix);
     m->contrast += step[CONTRAST];
     m->blur += step[BLUR];
     return true;
@@ -321,7 +271,7 @@ static author_result settle(author_run *run, model *m, plane *matrix, int moving
     for (int i = 0; i <= STEPS && result == AUTHOR_OK; i++) {
         double far;
         add_all(m, s);
-        m->noise = noise_of(s);
+        m->noise = residuals_deviation(&s->residuals);
         if (m->noise < best.noise)
             best = (state){*matrix, m->contrast, m->blur, m->noise};
         if (m->noise > best.noise * MOST_WORSE)
@@ -414,34 +364,11 @@ static void measure_blocks(const model *m, double ratio, refine_result *out) {
     out->distortion = length > 0 ? ratio * along / length * hypot(w, h) / 2 : 0;
 }
 
-/* Expected error of the footprint's corners, in pixels of the fine picture, from the noise and the detail that there is. */
-static double spread_of(const model *m, const sums *s, double ratio) {
-    double total = 0;
-    for (int i = 0; i < 8; i++) {
-        double a[UNKNOWNS * UNKNOWNS], row[UNKNOWNS] = {0}, column[UNKNOWNS];
-        double cs = i & 1 ? 1 : -1, ct = i & 2 ? 1 : -1, own = i >> 2 ? ct : cs;
-        double half = (i >> 2 ? m->coarse.height : m->coarse.width) / 2.0;
-        int first = i >> 2 ? 3 : 0;
-        memcpy(a, s->normal, sizeof a);
-        row[first] = half;
-        row[first + 1] = half * cs;
-        row[first + 2] = half * ct;
-        row[6] = half * own * cs;
-        row[7] = half * own * ct;
-        memcpy(column, row, sizeof column);
-        if (!plane_solve(a, column, UNKNOWNS))
-            return HUGE_VAL;
-        for (int k = 0; k < UNKNOWNS; k++)
-            total += row[k] * column[k];
-    }
-    return ratio * m->noise * sqrt(total / 4);
-}
-
 static author_result measure(author_run *run, model *m, const photo *fine, sums *s, refine_result *out) {
     double ratio = plane_ratio(&out->matrix, m->v.size, fine->pixels);
     add_all(m, s);
     out->error = m->noise;
-    out->spread = spread_of(m, s, ratio);
+    out->spread = ratio * m->noise * motion_spread(&m->v, s->normal, UNKNOWNS);
     out->local_correlation = correlation_of(m);
     measure_blocks(m, ratio, out);
     bool fits;

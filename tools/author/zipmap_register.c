@@ -117,6 +117,17 @@ static author_result refine_task(void *context, size_t i, unsigned worker, char 
     return result;
 }
 
+static author_result place_task(void *context, size_t i, unsigned worker, char *error) {
+    const job *j = context;
+    author_run run = {0};
+    (void)worker;
+    author_result result = pair_refine(&run, j->photos, &j->options, j->texels, &j->work[i]);
+    if (result == AUTHOR_OK)
+        result = pair_polish(&run, j->photos, j->texels, &j->work[i]);
+    memcpy(error, run.error, AUTHOR_ERROR);
+    return result;
+}
+
 static author_result match_all(author_run *run, job *j) {
     for (uint32_t a = 0; a < j->count; a++)
         for (uint32_t b = a + 1; b < j->count; b++) {
@@ -202,7 +213,7 @@ static author_result finish(author_run *run, job *j, author_registration *out) {
     j->work = tree;
     j->texels = FINAL_TEXELS;
     if (result == AUTHOR_OK)
-        result = author_for(run, "refinement", count, refine_task, j);
+        result = author_for(run, "refinement", count, place_task, j);
     for (size_t i = 0; i < count && result == AUTHOR_OK; i++)
         fill_placing(&tree[i], &out->placings[tree[i].fine]);
     for (size_t i = 0; i < out->order_count && result == AUTHOR_OK; i++) {

@@ -12,7 +12,9 @@ enum {
     COMPARED_TEXELS = 40000
 };
 
-static const double LEAST_PEAK = 0.75;  /* correlation from which another place is looked at closely */
+static const double LEAST_PEAK = 0.75; /* correlation from which another place is looked at closely */
+static const double LEAST_ALIKE =
+    0.8; /* correlation there in the end: on plain colour the difference is small, and says nothing */
 static const double LEAST_WORSE = 1.25; /* by what factor the difference must be larger there */
 
 /* The fine picture as the coarse one would show it, on one level, and all of that level. */
@@ -120,7 +122,8 @@ static author_result compare(author_run *run, const photo *photos, const plane *
     if (result == AUTHOR_OK)
         result = refine_plane(run, coarse, fine, other, COMPARED_TEXELS, &there);
     if (result == AUTHOR_OK && here.converged && there.converged && apart(&here.matrix, &there.matrix) > 0.02 &&
-        there.error < LEAST_WORSE * here.error && plane_plausible(&there.matrix, coarse->pixels, fine->pixels))
+        there.correlation > LEAST_ALIKE && there.error < LEAST_WORSE * here.error &&
+        plane_plausible(&there.matrix, coarse->pixels, fine->pixels))
         e->reason = AUTHOR_REASON_AMBIGUOUS;
     return result;
 }

@@ -4,13 +4,14 @@
 
     ./dev bench author [--heaps N] [--large] [--write]
 
-Makes N heaps (default 20) of 12 photographs with tools/bench/heap.py, runs `ztex make zipmap` on each and compares with the truth. --large
-adds one heap of photographs of 12 megapixels, for time and memory, with one thread and with two. --write writes docs/author-bench.md.
-Heaps are kept in build/bench/heaps."""
+Makes N heaps (default 20) of 12 photographs with tools/bench/heap.py, runs `ztex make zipmap` on each, compares with the truth, and says of
+each bound whether it is met; the exit code is 1 when one is not. --large adds one heap of photographs of 12 megapixels, for time and memory,
+with one thread and with two. --write writes docs/author-bench.md. Heaps are kept in build/bench/heaps."""
 import argparse
 import datetime
 import hashlib
 import json
+import math
 import os
 import platform
 import subprocess
@@ -23,6 +24,12 @@ import heap
 ZTEX = os.environ.get('ZTEX', 'build/release/tools/ztex/ztex')
 HEAPS = Path('build/bench/heaps')
 KINDS = ('2x', '4x', '8x', '12x', 'chain', 'mixed')
+# Pixels of the child that a corner may be off: median, worst. Those of chains are about the root.
+CORNERS = {'2x': (0.3, 1.0), '4x': (0.3, 1.0), '8x': (0.5, 2.0), '12x': (0.5, 2.0), 'chain': (1.0, 4.0)}
+STEPS = 1.0, 4.0, 1.0  # of 255: median and worst of the seams, mean colours
+WRONG_SHARE = 0.05     # of the heaps
+LARGE = 60.0, 3 * 1024  # seconds with two threads, MiB
+FEWEST_PLACES = 16     # of a seam that counts
 
 
 def folder_of(kind, seed, **how):
@@ -35,13 +42,14 @@ def folder_of(kind, seed, **how):
         return folder, json.load(file)
 
 
-def run(folder, truth, *words):
+def run(folder, truth, *words, reported=True):
     """Exit code, seconds, peak MiB, report."""
     pictures = sorted(str(folder / picture['file']) for picture in truth['pictures'])
     out, report = folder / 'out.ztex', folder / 'report.json'
     report.unlink(missing_ok=True)
     start = time.monotonic()
-    process = subprocess.Popen([ZTEX, 'make', 'zipmap', *pictures, '-o', str(out), '--report', str(report), '-q', *words])
+    process = subprocess.Popen([ZTEX, 'make', 'zipmap', *pictures, '-o', str(out), '-q', *words,
+                                *(['--report', str(report)] if reported else [])])
     _, status, usage = os.wait4(process.pid, 0)
     seconds = time.monotonic() - start
     found = json.loads(report.read_text(encoding='utf-8')) if report.exists() else None
@@ -107,10 +115,15 @@ def heap_table(results):
     return lines
 
 
+def seams_of(results):
+    return [seam for result in results for seam in result['seams'] if seam['places'] >= FEWEST_PLACES]
+
+
 def seam_table(results):
     lines = ['| steps, of 255 | before: median | worst | after: median | worst |', '|---|--:|--:|--:|--:|']
-    seams = [seam for result in results for seam in result['seams'] if seam['places'] >= 16]
-    for name, text in (('median', 'median of a seam'), ('high', '95 % of a seam'), ('worst', 'worst place of a seam'), ('mean', 'mean colour')):
+    seams = seams_of(results)
+    for name, text in (('median', 'median of a seam'), ('high', '95 % of a seam'), ('worst', 'worst place of a seam'),
+                       ('sharp', 'worst difference of sharpness'), ('mean', 'mean colour')):
         lines.append(f'| {text} | {median_worst([s["before"][name] for s in seams], 2)} | {median_worst([s["after"][name] for s in seams], 2)} |')
     return lines
 
@@ -126,6 +139,43 @@ def processor():
         if line.startswith('model name'):
             return line.split(':', 1)[1].strip()
     return platform.machine()
+
+
+# --- bounds ----------------------------------------------------------------------------------------
+
+
+def bound(text, value, most, digits=2):
+    return f'{"PASS" if value <= most else "FAIL"}: {text}: {value:.{digits}f}, at most {most:g}', value <= most
+
+
+def corner_bounds(results):
+    for kind, (median, worst) in CORNERS.items():
+        which = 'root_error' if kind == 'chain' else 'error'
+        errors = sorted(c[which] for r in results if r['kind'] == kind for c in r['placed'] if c[which] is not None)
+        if errors:
+            yield bound(f'corner error, {kind}, median', errors[len(errors) // 2], median, 3)
+            yield bound(f'corner error, {kind}, worst', errors[-1], worst, 3)
+
+
+def bounds_of(results, large):
+    """Text and whether it is met, for each bound."""
+    wrong = sum(bool(r['wrong']) for r in results)
+    strangers = sum('distractor' in text or 'trap' in text for r in results for text in r['wrong'])
+    yield bound(f'heaps of {len(results)} with another graph', wrong, math.floor(WRONG_SHARE * len(results)), 0)
+    yield bound('distractors and traps that were placed', strangers, 0, 0)
+    yield from corner_bounds(results)
+    after = [seam['after'] for seam in seams_of(results)]
+    if after:
+        medians = sorted(steps['median'] for steps in after)
+        yield bound('colour step of a seam, median of the seams', medians[len(medians) // 2], STEPS[0])
+        yield bound('colour step of a seam, median of its places, worst seam', medians[-1], STEPS[0])
+        yield bound('colour step of a seam, worst place', max(steps['worst'] for steps in after), STEPS[1])
+        yield bound('mean colour', max(steps['mean'] for steps in after), STEPS[2])
+    if large:
+        rows, same, _ = large
+        yield bound('large heap, seconds with 2 threads', rows[-1][1], LARGE[0], 1)
+        yield bound('large heap, MiB', max(row[2] for row in rows), LARGE[1], 0)
+        yield f'{"PASS" if same else "FAIL"}: large heap, one thread and two give the same bytes', same
 
 
 # --- the runs --------------------------------------------------------------------------------------
@@ -149,7 +199,8 @@ def run_large():
     folder, truth = folder_of('mixed', 1, width=5000)
     rows, sums = [], set()
     for threads in (1, 2):
-        _, seconds, memory, _ = run(folder, truth, '--threads', str(threads), '--allow-many', '--no-fsync')
+        _, seconds, memory, _ = run(folder, truth, '--threads', str(threads), '--allow-many', '--no-fsync',
+                                    reported=False)
         data = (folder / 'out.ztex').read_bytes()
         sums.add(hashlib.sha256(data).hexdigest())
         rows.append((threads, seconds, memory, len(data)))
@@ -158,26 +209,29 @@ def run_large():
     return rows, len(sums) == 1, megapixels
 
 
-def document(words, results, large):
+def document(words, results, large, bounds):
     right = sum(not result['wrong'] for result in results)
     strangers = sum('distractor' in text or 'trap' in text for result in results for text in result['wrong'])
     lines = ['# Heaps of photographs: how right, how exact, at what cost', '',
              f'Made by `./dev bench author {" ".join(words)}` on {datetime.date.today()}. Machine: {processor()}, {os.cpu_count()} processors.', '',
              f'Heaps of 12 photographs from tools/bench/heap.py: {right} of {len(results)} have the right graph; {strangers} distractors or traps '
-             'were placed wrongly.', '',
+             'were placed wrongly.', '', *['- ' + text for text, _ in bounds], '',
              'The thing in each heap is a real photograph with other real photographs on it as posters; cameras look at it from '
              'any side, with their own exposure, white balance, vignetting, blur, noise and JPEG. 2x to 12x: each child is so much '
              'finer than its parent; chain: up to 100x in steps; mixed: 2x to 12x, with a wall of exactly repeated bricks of which one '
              'picture shows one period. Views of which their parent shows next to nothing (out of focus, plain sky) are not drawn.', '',
              '## Places', '', *accuracy_table(results), '', '## Seams', '',
-             'Differences between a patch and its parent where the one fades into the other, in the file that was made, both averaged over 8 '
-             'texels of the parent; median and worst of all seams.', '', *seam_table(results), '', '## Heaps', '',
+             'Differences between the mean colours of a patch and of its parent, in squares of 8 texels of the parent through which the seam '
+             'goes, with a soft window; median and worst of all seams. From the worst place is taken by how much the mean would differ if the '
+             'parent were moved by half a texel: that is what edges at the border of the patch do when two cameras are not equally sharp. The '
+             'other rows are as they are; that of sharpness counts only texels that are half transparent.', '', *seam_table(results), '',
+             '## Heaps', '',
              *heap_table(results), '']
     if large:
         rows, same, megapixels = large
         lines += ['## Twelve photographs of twelve megapixels', '',
                   f'A heap of the kind mixed, {megapixels:.0f} megapixels together; the photographs behind have fewer pixels, so that most views are '
-                  'enlarged. The time includes the report.', '', *large_table(rows), '',
+                  'enlarged. The time is without a report.', '', *large_table(rows), '',
                   f'One thread and two give {"the same bytes" if same else "DIFFERENT bytes"}.', '']
     return '\n'.join(lines)
 
@@ -192,11 +246,14 @@ def main():
         subprocess.run(['bash', 'tools/bench/setup.sh'], check=True)
     results = run_heaps(words.heaps)
     large = run_large() if words.large else None
-    text = document(sys.argv[1:], results, large)
+    bounds = list(bounds_of(results, large))
+    text = document(sys.argv[1:], results, large, bounds)
     print('\n' + text)
     if words.write:
         Path('docs/author-bench.md').write_text(text, encoding='utf-8')
-    return 0
+    for line, _ in bounds:
+        print(line)
+    return 0 if all(met for _, met in bounds) else 1
 
 
 if __name__ == '__main__':

@@ -44,7 +44,8 @@ int heap_find_layers(heap *h);
 /* What the scene is for. */
 typedef enum heap_purpose {
     HEAP_RESULT = 0, /* the file that was asked for */
-    HEAP_BEFORE = 1  /* the same pictures as they are, small, for the report */
+    HEAP_BEFORE = 1, /* the same pictures as they are, small, for the report */
+    HEAP_PLAIN = 2   /* as in the result, but opaque */
 } heap_purpose;
 /* File names are relative to folder, which is absolute and ends with a slash; "": they stay as on the command line. */
 int heap_scene(const heap *h, heap_purpose purpose, const char *folder, json_t **out);

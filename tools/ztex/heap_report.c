@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Making the report: beside the file that was asked for, a small one of the pictures as they were, and what lies between. */
+/* Making the report: beside the file that was asked for, one of the pictures as they were, one with
+ * adjusted colours but without masks, and what lies between. */
 #include "heap_report.h"
 
 #include <stdlib.h>
@@ -10,16 +11,26 @@ static int ends_with(const char *text, const char *end) {
     return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* The pictures before adjustment, as a temporary file beside the result; its malloc'd name in *path. */
-static int make_before(const heap *h, const char *output, char **path) {
+/* A file beside the result that is only looked at. */
+typedef struct companion {
+    char *path;
+    cmd_input input;
+} companion;
+
+static int make_companion(const heap *h, heap_purpose purpose, const char *output, companion *out) {
     json_t *description = NULL;
-    *path = cmd_temporary(output);
-    int status = *path ? heap_scene(h, HEAP_BEFORE, "", &description) : CMD_IO;
+    out->path = cmd_temporary(output);
+    int status = out->path ? heap_scene(h, purpose, "", &description) : CMD_IO;
     zt_writer_options fast = {.size = sizeof fast, .effort = 1, .flags = ZT_WRITE_NO_FSYNC};
     if (status == CMD_OK)
-        status = heap_store(h->args, description, *path, &fast, "comparing");
+        status = heap_store(h->args, description, out->path, &fast, "comparing");
     json_decref(description);
-    return status;
+    return status == CMD_OK ? cmd_open(h->args, out->path, 0, &out->input) : status;
+}
+
+static void drop_companion(companion *c) {
+    cmd_close(&c->input);
+    cmd_temporary_drop(c->path);
 }
 
 static int list_seams(heap_report *report) {
@@ -52,14 +63,15 @@ static int write_to(const heap_report *report, const char *path) {
 
 int heap_write_report(const heap *h, const char *output, const char *path) {
     heap_report report = {.heap = h, .output = output};
-    cmd_input before = {0}, after = {0};
-    char *temporary = NULL;
-    int status = make_before(h, output, &temporary);
+    companion before = {0}, plain = {0};
+    cmd_input after = {0};
+    int status = make_companion(h, HEAP_BEFORE, output, &before);
     if (status == CMD_OK)
-        status = cmd_open(h->args, temporary, 0, &before);
+        status = make_companion(h, HEAP_PLAIN, output, &plain);
     if (status == CMD_OK)
         status = cmd_open(h->args, output, 0, &after);
-    report.before = before.file;
+    report.before = before.input.file;
+    report.plain = plain.input.file;
     report.after = after.file;
     if (status == CMD_OK)
         status = list_seams(&report);
@@ -69,7 +81,7 @@ int heap_write_report(const heap *h, const char *output, const char *path) {
         status = write_to(&report, path);
     free(report.seams);
     cmd_close(&after);
-    cmd_close(&before);
-    cmd_temporary_drop(temporary);
+    drop_companion(&plain);
+    drop_companion(&before);
     return status;
 }

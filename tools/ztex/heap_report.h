@@ -8,12 +8,13 @@
 
 #include "heap.h"
 
-/* Differences between a patch and its parent where the one fades into the other, both averaged over what lies of the seam in squares of
- * HEAP_LOWPASS texels of the parent; of sRGB-coded values, full range being 255. */
+/* Differences between a patch and its parent along the seam, of sRGB-coded values, full range being 255: between the mean colours of both
+ * in squares of HEAP_LOWPASS texels of the parent through which the seam goes. A texel counts by how much the patch covers there. */
 #define HEAP_LOWPASS 8
 typedef struct heap_steps {
     double median, high, worst; /* along the seam; high: 95 of 100 places are below */
-    double mean;                /* of the means over the whole patch, the channel in which it is largest */
+    double sharp; /* the worst when only what is half transparent counts: where edges are not equally sharp in both */
+    double mean;  /* of the means over the whole patch, the channel in which it is largest */
 } heap_steps;
 
 typedef struct heap_seam {
@@ -26,7 +27,8 @@ typedef struct heap_seam {
 typedef struct heap_report {
     const heap *heap;
     const char *output;
-    zt_file *before, *after;
+    zt_file *before, *plain,
+        *after;       /* as the pictures are; with adjusted colours, but opaque; the file that was made */
     heap_seam *seams; /* one for each placed photograph, in the order of the file */
     size_t seam_count;
 } heap_report;

@@ -2,10 +2,13 @@
 /* What was found in a heap of photographs, as a scene: patches with their parents and matrices, ready to be edited by hand. */
 #include "heap.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define BEFORE_EDGE 1024 /* pixels: enough to see a seam by */
+#define FADING \
+    3.0 /* texels of the parent: what it shows at the very edge of the patch is blurred with what is outside */
 
 typedef struct scene_job {
     const heap *heap;
@@ -54,7 +57,7 @@ static json_t *image_of(scene_job *job, const char *path) {
 static void add_images(scene_job *job, size_t index, json_t *patch) {
     const heap *h = job->heap;
     json_t *base = image_of(job, h->photos[index].path);
-    if (h->layer_count == 0 || job->purpose == HEAP_BEFORE) {
+    if (h->layer_count == 0 || job->purpose != HEAP_RESULT) {
         json_object_set_new(patch, "image", base);
         return;
     }
@@ -66,16 +69,19 @@ static void add_images(scene_job *job, size_t index, json_t *patch) {
 }
 
 /* How a patch is fitted into its parent. */
-static void add_fit(const scene_job *job, json_t *patch) {
+static void add_fit(const scene_job *job, double ratio, json_t *patch) {
     const cmd_args *args = job->heap->args;
-    if (job->purpose == HEAP_BEFORE) {
+    if (job->purpose != HEAP_BEFORE)
+        json_object_set_new(patch, "colour", json_string(cmd_text(args, "colour")));
+    if (job->purpose != HEAP_RESULT) {
         json_object_set_new(patch, "mask", json_string("none"));
+        json_object_set_new(patch, "ramp", json_integer(1));
         return;
     }
-    json_object_set_new(patch, "colour", json_string(cmd_text(args, "colour")));
     json_object_set_new(patch, "mask", json_string(cmd_text(args, "mask")));
-    if (cmd_given(args, "ramp"))
-        json_object_set_new(patch, "ramp", cmd_json_u64(cmd_integer(args, "ramp")));
+    uint64_t ramp = cmd_given(args, "ramp") ? cmd_integer(args, "ramp") : (uint64_t)fmin(ceil(FADING * ratio), 65536.0);
+    if (ramp > MAKE_RAMP || cmd_given(args, "ramp"))
+        json_object_set_new(patch, "ramp", cmd_json_u64(ramp));
     if (cmd_given(args, "tau"))
         json_object_set_new(patch, "tau", json_real(cmd_real(args, "tau")));
     if (cmd_given(args, "normals"))
@@ -98,7 +104,7 @@ static json_t *patch_of(scene_job *job, size_t index) {
         json_array_append_new(matrix, json_real(p->matrix[i]));
     json_object_set_new(patch, "parent", cmd_json_text(h->photos[p->parent].name));
     json_object_set_new(patch, "matrix", matrix);
-    add_fit(job, patch);
+    add_fit(job, p->ratio, patch);
     return patch;
 }
 

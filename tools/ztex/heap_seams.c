@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far the colours of each patch and of its parent are apart, in the file itself: what was stored counts, not what was meant. */
+/* How far the colours of each patch and of its parent are apart: what was stored counts, not what was meant. */
 #include "heap_report.h"
 
 #include <math.h>
@@ -8,7 +8,10 @@
 
 #define MOST_TEXELS (UINT64_C(4) << 20) /* of a parent that are held */
 #define SEEN 0.02f                      /* coverage that is taken to show */
-#define LEAST_TEXELS 16                 /* of the seam in a place that is measured */
+#define OWN_CHANGE 0.5                  /* texels of the parent */
+#define BLURRED 2.0                     /* texels at the border of the patch that are not looked at, */
+#define SOFT 4.0                        /* and of those behind them, over which windows end */
+#define LEAST_SEAM 8.0                  /* of a place that is measured; a texel counts 1 where it is half transparent */
 
 /* ---- decoded levels ------------------------------------------------------------------------------------------ */
 
@@ -143,37 +146,53 @@ static uint32_t level_for(double texels, uint32_t parent_level, uint32_t levels)
     return least(level > 0.0 ? (uint32_t)(level + 0.5) : 0, levels - 1);
 }
 
-static int side_load(const zt_file *file, const heap_seam *seam, side *s) {
+/* Which images, and which of their levels. */
+static int side_find(const zt_file *file, const heap_seam *seam, side *s, uint32_t images[2]) {
     zt_image_info own, below;
     memset(s, 0, sizeof *s);
     if (zt_get_patch(file, seam->texture, seam->patch, &s->patch) != ZT_OK ||
         zt_get_patch(file, seam->texture, s->patch.parent, &s->parent) != ZT_OK)
         return cmd_fail(CMD_INTERNAL, "report: there is no patch %u", (unsigned)seam->patch);
-    uint32_t image = zt_get_patch_image(file, seam->texture, seam->patch, 0);
-    uint32_t under = zt_get_patch_image(file, seam->texture, s->patch.parent, 0);
-    if (zt_get_image(file, image, &own) != ZT_OK || zt_get_image(file, under, &below) != ZT_OK)
+    images[0] = zt_get_patch_image(file, seam->texture, seam->patch, 0);
+    images[1] = zt_get_patch_image(file, seam->texture, s->patch.parent, 0);
+    if (zt_get_image(file, images[0], &own) != ZT_OK || zt_get_image(file, images[1], &below) != ZT_OK)
         return cmd_fail(CMD_INTERNAL, "report: patch %u has no image", (unsigned)seam->patch);
     while (s->below_level + 1 < below.levels &&
            ((uint64_t)below.width * below.height >> 2 * s->below_level) > MOST_TEXELS)
         s->below_level++;
     double texels = parent_texels(file, seam->texture, seam->patch, &s->patch, &own, &below);
     s->level = level_for(texels, s->below_level, own.levels);
-    int status = heap_flat_load(file, image, s->level, &s->own);
-    return status == CMD_OK ? heap_flat_load(file, under, s->below_level, &s->below) : status;
+    return CMD_OK;
+}
+
+static int side_load(const zt_file *file, const heap_seam *seam, side *s) {
+    uint32_t images[2];
+    int status = side_find(file, seam, s, images);
+    if (status == CMD_OK)
+        status = heap_flat_load(file, images[0], s->level, &s->own);
+    return status == CMD_OK ? heap_flat_load(file, images[1], s->below_level, &s->below) : status;
 }
 
 /* ---- figures ------------------------------------------------------------------------------------------------- */
 
-/* The sums over the texels of the seam in one place. */
+/* Sums over texels, each counted by its weight. */
+typedef struct sum {
+    double own[3], below[3], weight;
+    double moved[2][3]; /* below, by how much it differs OWN_CHANGE further right and down */
+} sum;
+
+/* A square of the patch that the seam goes through. */
 typedef struct place {
-    double own[3], below[3];
-    size_t count;
+    sum around; /* by a window that begins and ends softly, twice as wide: hard ones would count edges that are not equally sharp */
+    sum seam; /* the square itself, by how much of both is seen */
 } place;
 
 typedef struct gathering {
     double *steps; /* of each place along the seam */
     size_t count;
-    place all; /* that the patch covers by more than half */
+    double worst; /* beyond what a parent makes of it that is placed or blurred a little differently */
+    double sharp; /* the largest on the seam itself */
+    sum all;      /* that the patch covers by more than half */
 } gathering;
 
 static int by_size(const void *a, const void *b) {
@@ -181,23 +200,34 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Between the means of both, in the channel in which it is largest. */
-static double step_of(const place *at) {
-    double worst = 0.0, n = (double)(at->count ? at->count : 1);
+static double coded(double light) {
+    return 255.0 * (double)zt_transfer_encode(13, (float)light);
+}
+
+/* Between the means of both, less `changes` times what the parent's would differ by if it were moved a little, in the channel in which it
+ * is largest. */
+static double step_of(const sum *at, double changes) {
+    double worst = 0.0, n = at->weight > 0.0 ? at->weight : 1.0;
     for (int c = 0; c < 3; c++) {
-        float own = zt_transfer_encode(13, (float)(at->own[c] / n)),
-              below = zt_transfer_encode(13, (float)(at->below[c] / n));
-        worst = fmax(worst, 255.0 * fabs((double)own - (double)below));
+        double below = at->below[c] / n, step = fabs(coded(at->own[c] / n) - coded(below));
+        double change = coded(below + hypot(at->moved[0][c], at->moved[1][c]) / n) - coded(below);
+        worst = fmax(worst, step - changes * change);
     }
     return worst;
 }
 
-static void add(place *at, const float own[4], const float below[4]) {
+/* What is seen at one place. */
+typedef struct sight {
+    double x, y; /* of the parent */
+    float own[4], below[4];
+} sight;
+
+static void add(sum *at, const sight *here, double weight) {
     for (int c = 0; c < 3; c++) {
-        at->own[c] += own[c];
-        at->below[c] += below[c];
+        at->own[c] += weight * (double)here->own[c];
+        at->below[c] += weight * (double)here->below[c];
     }
-    at->count++;
+    at->weight += weight;
 }
 
 static heap_steps steps_of(gathering *g) {
@@ -206,31 +236,42 @@ static heap_steps steps_of(gathering *g) {
     if (g->count > 0) {
         s.median = g->steps[g->count / 2];
         s.high = g->steps[g->count * 95 / 100];
-        s.worst = g->steps[g->count - 1];
+        s.worst = g->worst;
+        s.sharp = g->sharp;
     }
-    s.mean = step_of(&g->all);
+    s.mean = step_of(&g->all, 0.0);
     return s;
 }
 
-/* One texel of the coverage, at root coordinates u, v. */
-static void gather(const side *s, double u, double v, float alpha, place *at, gathering *g) {
-    double x, y, px, py;
-    float own[4], below[4];
-    if (apply(s->patch.root_matrix, u, v, &x, &y) || apply(s->parent.root_matrix, u, v, &px, &py))
-        return;
-    if (px < 0.0 || px > 1.0 || py < 0.0 || py > 1.0)
-        return;
-    look_up(&s->own, x, y, own);
-    look_up(&s->below, px, py, below);
-    if (alpha < 1.0f - SEEN)
-        add(at, own, below);
-    if (alpha > 0.5f)
-        add(&g->all, own, below);
+/* What both show at root coordinates u, v. 0 where the parent ends. */
+static int look_at(const side *s, double u, double v, sight *out) {
+    double x, y;
+    if (apply(s->patch.root_matrix, u, v, &x, &y) || apply(s->parent.root_matrix, u, v, &out->x, &out->y))
+        return 0;
+    if (out->x < 0.0 || out->x > 1.0 || out->y < 0.0 || out->y > 1.0)
+        return 0;
+    look_up(&s->own, x, y, out->own);
+    look_up(&s->below, out->x, out->y, out->below);
+    return 1;
+}
+
+static void add_moved(sum *at, const heap_flat *below, const sight *here, double weight) {
+    float from[4], to[4];
+    for (int i = 0; i < 2; i++) {
+        double x = i ? 0.0 : OWN_CHANGE / below->width, y = i ? OWN_CHANGE / below->height : 0.0;
+        look_up(below, here->x - x, here->y - y, from);
+        look_up(below, here->x + x, here->y + y, to);
+        for (int c = 0; c < 3; c++)
+            at->moved[i][c] += weight * (double)(to[c] - from[c]) / 2.0;
+    }
 }
 
 static void close_place(const place *at, gathering *g) {
-    if (at->count >= LEAST_TEXELS)
-        g->steps[g->count++] = step_of(at);
+    if (at->seam.weight < LEAST_SEAM)
+        return;
+    g->steps[g->count++] = step_of(&at->around, 0.0);
+    g->worst = fmax(g->worst, step_of(&at->around, 1.0));
+    g->sharp = fmax(g->sharp, step_of(&at->seam, 0.0));
 }
 
 typedef struct measuring {
@@ -241,21 +282,65 @@ typedef struct measuring {
     heap_seam *seam;
 } measuring;
 
-/* A block of edge x edge texels of the coverage. */
-static void measure_block(measuring *m, uint32_t x0, uint32_t y0, uint32_t edge) {
+/* From 0 over 1 to 0, where the square is the middle half. */
+static double window(uint32_t at, uint32_t from, uint32_t edge) {
+    double t = ((double)at - (double)from + 0.5 + edge / 2.0) / (2.0 * edge);
+    return 0.5 - 0.5 * cos(2.0 * 3.14159265358979323846 * t);
+}
+
+/* From 0 at the border of the patch, where the parent shows some of what is outside, to 1. */
+static double inwards(const heap_flat *coverage, uint32_t x, uint32_t y) {
+    uint32_t across = least(x, coverage->width - 1 - x), down = least(y, coverage->height - 1 - y);
+    return fmin(fmax(((double)least(across, down) + 0.5 - BLURRED) / SOFT, 0.0), 1.0);
+}
+
+/* One texel of the coverage, within or around the square at x0, y0. */
+static void gather(measuring *m, uint32_t x, uint32_t y, uint32_t x0, uint32_t y0, uint32_t edge, int seam,
+                   place places[2]) {
     const heap_flat *coverage = m->coverage;
-    place places[2] = {{{0}, {0}, 0}, {{0}, {0}, 0}};
-    for (uint32_t y = y0; y < y0 + edge && y < coverage->height; y++)
-        for (uint32_t x = x0; x < x0 + edge && x < coverage->width; x++) {
-            double u, v;
-            float alpha = coverage->texels[4 * ((size_t)y * coverage->width + x) + 3];
-            m->seam->opaque += alpha >= 1.0f - SEEN;
-            m->seam->partly += alpha > SEEN && alpha < 1.0f - SEEN;
-            int shows = alpha > SEEN &&
-                        apply(m->back, (x + 0.5) / coverage->width, (y + 0.5) / coverage->height, &u, &v) == 0;
-            for (int i = 0; shows && i < 2; i++)
-                gather(m->sides[i], u, v, alpha, &places[i], &m->sums[i]);
+    double u, v, alpha = (double)coverage->texels[4 * ((size_t)y * coverage->width + x) + 3];
+    int within = x >= x0 && y >= y0 && x - x0 < edge && y - y0 < edge;
+    if (within) {
+        m->seam->opaque += alpha >= 1.0 - SEEN;
+        m->seam->partly += alpha > SEEN && alpha < 1.0 - SEEN;
+    }
+    if (apply(m->back, (x + 0.5) / coverage->width, (y + 0.5) / coverage->height, &u, &v))
+        return;
+    for (int i = 0; i < 2; i++) {
+        sight here;
+        if (!look_at(m->sides[i], u, v, &here))
+            continue;
+        if (seam) {
+            double weight = window(x, x0, edge) * window(y, y0, edge) * inwards(coverage, x, y);
+            add(&places[i].around, &here, weight);
+            add_moved(&places[i].around, &m->sides[i]->below, &here, weight);
         }
+        if (within && alpha > SEEN && alpha < 1.0 - SEEN)
+            add(&places[i].seam, &here, 4.0 * alpha * (1.0 - alpha));
+        if (within && alpha > 0.5)
+            add(&m->sums[i].all, &here, 1.0);
+    }
+}
+
+static int has_seam(const heap_flat *coverage, uint32_t x0, uint32_t y0, uint32_t edge) {
+    int found = 0;
+    for (uint32_t y = y0; y < y0 + edge && y < coverage->height && !found; y++)
+        for (uint32_t x = x0; x < x0 + edge && x < coverage->width && !found; x++) {
+            float alpha = coverage->texels[4 * ((size_t)y * coverage->width + x) + 3];
+            found = alpha > SEEN && alpha < 1.0f - SEEN;
+        }
+    return found;
+}
+
+/* A square of edge x edge texels of the coverage. */
+static void measure_square(measuring *m, uint32_t x0, uint32_t y0, uint32_t edge) {
+    place places[2];
+    memset(places, 0, sizeof places);
+    uint32_t half = edge / 2, left = x0 < half ? 0 : x0 - half, top = y0 < half ? 0 : y0 - half;
+    int seam = has_seam(m->coverage, x0, y0, edge);
+    for (uint32_t y = top; y < y0 + edge + half && y < m->coverage->height; y++)
+        for (uint32_t x = left; x < x0 + edge + half && x < m->coverage->width; x++)
+            gather(m, x, y, x0, y0, edge, seam, places);
     for (int i = 0; i < 2; i++)
         close_place(&places[i], &m->sums[i]);
 }
@@ -276,7 +361,7 @@ static int measure(const heap_report *report, heap_seam *seam, const side *befor
     }
     for (uint32_t y = 0; y < coverage->height; y += edge)
         for (uint32_t x = 0; x < coverage->width; x += edge)
-            measure_block(&m, x, y, edge);
+            measure_square(&m, x, y, edge);
     seam->opaque /= (double)texels;
     seam->partly /= (double)texels;
     seam->places = m.sums[1].count;
@@ -286,19 +371,23 @@ static int measure(const heap_report *report, heap_seam *seam, const side *befor
     return CMD_OK;
 }
 
+/* The colours are those of the opaque patch: a half covered texel of a coarser level has only those of what it covers. */
 static int measure_seam(const heap_report *report, heap_seam *seam) {
-    side before = {0}, after = {0};
+    side before = {0}, plain = {0}, after = {0};
     heap_flat coverage = {0};
+    uint32_t images[2];
     int status = side_load(report->before, seam, &before);
     if (status == CMD_OK)
-        status = side_load(report->after, seam, &after);
+        status = side_load(report->plain, seam, &plain);
+    if (status == CMD_OK)
+        status = side_find(report->after, seam, &after, images);
     if (status == CMD_OK)
         status = heap_flat_coverage(report->after, seam->texture, seam->patch, after.level, &coverage);
     if (status == CMD_OK)
-        status = measure(report, seam, &before, &after, &coverage);
+        status = measure(report, seam, &before, &plain, &coverage);
     free(coverage.texels);
     side_release(&before);
-    side_release(&after);
+    side_release(&plain);
     return status;
 }
 

@@ -81,8 +81,8 @@ static int put_unplaced(const heap_report *report, FILE *stream) {
 static void put_steps(FILE *stream, const char *name, const heap_steps *s) {
     fprintf(stream,
             "<tr><td>%s</td><td class=\"n\">%.2f</td><td class=\"n\">%.2f</td><td class=\"n\">%.2f</td>"
-            "<td class=\"n\">%.2f</td></tr>\n",
-            name, s->median, s->high, s->worst, s->mean);
+            "<td class=\"n\">%.2f</td><td class=\"n\">%.2f</td></tr>\n",
+            name, s->median, s->high, s->worst, s->sharp, s->mean);
 }
 
 static int put_seam(const heap_report *report, const heap_seam *seam, FILE *stream) {
@@ -95,7 +95,7 @@ static int put_seam(const heap_report *report, const heap_seam *seam, FILE *stre
     if (status == CMD_OK)
         status = report_put_picture(stream, heap_look_mask(report, seam), "mask: white is opaque");
     fprintf(stream, "<div><table>\n<tr><th>steps, of 255</th><th class=\"n\">median</th><th class=\"n\">95 %%</th>"
-                    "<th class=\"n\">worst</th><th class=\"n\">mean colour</th></tr>\n");
+                    "<th class=\"n\">worst</th><th class=\"n\">sharpness</th><th class=\"n\">mean colour</th></tr>\n");
     put_steps(stream, "before", &seam->before);
     put_steps(stream, "after", &seam->after);
     fprintf(stream, "</table>\n<p>%.0f %% opaque, %.0f %% fading; %zu places measured</p></div>\n</div>\n",
@@ -105,14 +105,17 @@ static int put_seam(const heap_report *report, const heap_seam *seam, FILE *stre
 
 static int put_seams(const heap_report *report, FILE *stream) {
     int status = CMD_OK;
-    fprintf(stream,
-            "<h2>Seams</h2>\n<p class=\"note\">Steps are the differences between a photograph and its parent where the "
-            "one fades "
-            "into the other, both averaged over %d texels of the parent. A large median that stays says that the "
-            "colours differ in a way that no gain explains, such as another light; a large worst one that something is "
-            "there in one "
-            "photograph and not in the other.</p>\n",
-            HEAP_LOWPASS);
+    fprintf(
+        stream,
+        "<h2>Seams</h2>\n<p class=\"note\">Steps are the differences between the mean colours of a photograph and of "
+        "its "
+        "parent, in squares of %d texels of the parent through which the seam goes. A large median that stays says "
+        "that the "
+        "colours differ in a way that no gain explains, such as another light; a large worst one that something is "
+        "there in "
+        "one photograph and not in the other. Sharpness is the worst difference on the seam itself, where edges are "
+        "not equally sharp in both.</p>\n",
+        HEAP_LOWPASS);
     for (size_t i = 0; status == CMD_OK && i < report->seam_count; i++)
         status = cmd_interrupted() ? cmd_cancelled() : put_seam(report, &report->seams[i], stream);
     return status;

@@ -53,8 +53,8 @@ static json_t *pair_json(const author_pair *pair) {
 }
 
 static json_t *steps_json(const heap_steps *steps) {
-    return json_pack("{sf sf sf sf}", "median", steps->median, "high", steps->high, "worst", steps->worst, "mean",
-                     steps->mean);
+    return json_pack("{sf sf sf sf sf}", "median", steps->median, "high", steps->high, "worst", steps->worst, "sharp",
+                     steps->sharp, "mean", steps->mean);
 }
 
 static json_t *seam_json(const heap_seam *seam) {

@@ -39,7 +39,8 @@ static const cmd_option options[] = {
      .kind = CMD_INTEGER,
      .min = 1,
      .max = 65536,
-     .help = "Texels over which a photograph's edge fades in, whatever the mask says."},
+     .help = "Texels over which a photograph's edge fades in, whatever the mask says. Default: as many as three of the "
+             "photograph around it are wide, and at least 8."},
     {.name = "normals",
      .metavar = "FRAME",
      .kind = CMD_CHOICE,
