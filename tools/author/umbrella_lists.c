@@ -85,21 +85,11 @@ static int side_near(author_xy a, author_xy b, const rect *r, double grown) {
     return least <= grown * grown;
 }
 
-/* Is the point inside of a star-shaped polygon around the origin? */
-static int covers(const author_xy *polygon, size_t count, author_xy p) {
-    for (size_t i = 0; i < count; i++) {
-        author_xy a = polygon[i], b = polygon[i + 1 < count ? i + 1 : 0];
-        if (umb_cross(a, p) >= 0 && umb_cross(b, p) < 0)
-            return umb_cross(umb_less(b, a), umb_less(p, a)) >= 0;
-    }
-    return p.x == 0 && p.y == 0;
-}
-
 static int near(const author_xy *polygon, size_t count, const rect *r, double grown) {
     for (size_t i = 0; i < count; i++)
         if (side_near(polygon[i], polygon[i + 1 < count ? i + 1 : 0], r, grown))
             return 1;
-    return covers(polygon, count, (author_xy){r->x0, r->y0});
+    return umb_covers(polygon, count, (author_xy){r->x0, r->y0});
 }
 
 /* ---- the outline that an ellipsoid bends ------------------------------------------------------------------------ */

@@ -62,3 +62,12 @@ double umb_radius(const author_xy *polygon, size_t count) {
         most = fmax(most, polygon[i].x * polygon[i].x + polygon[i].y * polygon[i].y);
     return sqrt(most);
 }
+
+int umb_covers(const author_xy *polygon, size_t count, author_xy p) {
+    for (size_t i = 0; i < count; i++) {
+        author_xy a = polygon[i], b = polygon[i + 1 < count ? i + 1 : 0];
+        if (umb_cross(a, p) >= 0 && umb_cross(b, p) < 0)
+            return umb_cross(umb_less(b, a), umb_less(p, a)) >= 0;
+    }
+    return p.x == 0 && p.y == 0;
+}

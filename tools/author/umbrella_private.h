@@ -55,6 +55,8 @@ size_t umb_polygon(const zt_umbrella_info *info, const zt_umbrella *umbrella, ui
 /* The file's integers: star-shaped as in rule 8307? d are vertices less centre. Returns the first bad one, or count. */
 size_t umb_bad_offset(const zt_umbrella_offset *d, size_t count);
 double umb_radius(const author_xy *polygon, size_t count);
+/* Is the point inside of a star-shaped polygon around the origin? */
+int umb_covers(const author_xy *polygon, size_t count, author_xy p);
 
 /* umbrella_arrange.c: the view shows what the arrays hold. */
 void umb_show(author_umbrellas *umbrellas);

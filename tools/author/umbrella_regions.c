@@ -18,15 +18,6 @@ typedef struct labelling {
     author_xy *seen_from; /* centre, shifted, of the source that a sample shows */
 } labelling;
 
-static int inside(const author_xy *polygon, size_t count, author_xy p) {
-    for (size_t i = 0; i < count; i++) {
-        author_xy a = polygon[i], b = polygon[i + 1 < count ? i + 1 : 0];
-        if (umb_cross(a, p) >= 0 && umb_cross(b, p) < 0)
-            return umb_cross(umb_less(b, a), umb_less(p, a)) >= 0;
-    }
-    return p.x == 0 && p.y == 0;
-}
-
 static int64_t sample_at(double value, uint32_t count) {
     double at = ceil(value * SAMPLES - 0.5);
     return at < 0 ? 0 : at > count ? (int64_t)count : (int64_t)at;
@@ -45,7 +36,7 @@ static void paint(const labelling *l, uint32_t source, author_xy centre) {
     for (int64_t y = y0; y < y1; y++)
         for (int64_t x = x0; x < x1; x++) {
             author_xy p = {((double)x + 0.5) / SAMPLES - centre.x, ((double)y + 0.5) / SAMPLES - centre.y};
-            if (!inside(polygon, count, p))
+            if (!umb_covers(polygon, count, p))
                 continue;
             l->labels[y * l->width + x] = source;
             l->seen_from[y * l->width + x] = centre;

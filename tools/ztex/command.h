@@ -228,6 +228,8 @@ int cmd_read_all(const cmd_args *args, const char *path, uint64_t limit, void **
 /* "standard input" for "-", else the path. */
 const char *cmd_input_name(const char *path);
 
+int cmd_ends_with(const char *text, const char *end);
+
 /* Refuses, with message and CMD_USAGE, when output is the same file as one of the inputs (same inode, or the same path). "-" never is. */
 int cmd_check_output(const char *output, const char *const *inputs, size_t input_count);
 
@@ -242,6 +244,8 @@ typedef struct cmd_output {
 int cmd_output_open(cmd_output *output, const char *path, int binary);
 int cmd_output_commit(cmd_output *output); /* flush, check, rename; drops on failure */
 void cmd_output_drop(cmd_output *output);  /* leaves no trace; all zero is allowed */
+/* Commits if status, that of all that came before, is CMD_OK, and else drops. Returns what has become of it. */
+int cmd_output_end(cmd_output *output, int status);
 
 /* A temporary file's name beside path (malloc'd; the file exists, is empty, and is removed by a signal) and its end. Of use where a
  * library wants a path. cmd_temporary_keep renames it to path (CMD_OK or a printed CMD_IO); _drop deletes it. Both free the name. */
@@ -278,6 +282,8 @@ json_t *cmd_json_offset(uint64_t value); /* as u64; null for UINT64_MAX */
 json_t *cmd_json_text(const char *text); /* invalid UTF-8 becomes U+FFFD; NULL becomes null */
 /* Two-space indent, order kept, final newline. Returns CMD_OK or a printed CMD_IO. */
 int cmd_json_print(FILE *stream, const json_t *value);
+/* The same as a file, whole or not at all. */
+int cmd_json_write(const char *path, const json_t *value);
 
 /* ---- the frame's own ------------------------------------------------------------------------------------- */
 

@@ -279,10 +279,7 @@ static int write_silmap(all_job *job, uint32_t texture, uint32_t layer_count, co
         status = cmd_output_open(&output, path, 0);
     if (status == CMD_OK)
         status = extract_cells(job->input->file, job->input->name, texture, 0, 0, output.stream);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&output);
-    else
-        cmd_output_drop(&output);
+    status = cmd_output_end(&output, status);
     free(path);
     return status;
 }
@@ -378,16 +375,8 @@ static int add_metadata(const all_job *job, json_t *scene) {
 }
 
 static int write_scene(const all_job *job, const json_t *scene) {
-    cmd_output output;
     char *path = extract_path(job->folder, "scene.json");
-    int status = path ? cmd_output_open(&output, path, 0) : cmd_fail(CMD_INTERNAL, "out of memory");
-    if (status == CMD_OK) {
-        status = cmd_json_print(output.stream, scene);
-        if (status == CMD_OK)
-            status = cmd_output_commit(&output);
-        else
-            cmd_output_drop(&output);
-    }
+    int status = path ? cmd_json_write(path, scene) : cmd_fail(CMD_INTERNAL, "out of memory");
     free(path);
     return status;
 }

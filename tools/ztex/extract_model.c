@@ -351,27 +351,18 @@ static int write_parts(model *m, FILE *stream, cmd_progress *progress) {
 
 /* The model itself comes last: it names the others. */
 static int write_model(model *m, cmd_progress *progress) {
-    cmd_output bin = {0}, output = {0};
+    cmd_output bin = {0};
     json_t *uri = NULL;
     char *path = name_beside(m, ".bin", &uri);
     int status = path ? cmd_output_open(&bin, path, 1) : cmd_fail(CMD_INTERNAL, "out of memory");
     if (status == CMD_OK)
         status = write_parts(m, bin.stream, progress);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&bin);
-    else
-        cmd_output_drop(&bin);
-    if (status == CMD_OK)
-        status = cmd_output_open(&output, m->path, 0);
+    status = cmd_output_end(&bin, status);
     if (status == CMD_OK) {
         json_t *root = root_of(m, json_incref(uri));
-        status = cmd_json_print(output.stream, root);
+        status = cmd_json_write(m->path, root);
         json_decref(root);
     }
-    if (status == CMD_OK)
-        status = cmd_output_commit(&output);
-    else
-        cmd_output_drop(&output);
     json_decref(uri);
     free(path);
     return status;

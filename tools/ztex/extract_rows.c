@@ -122,10 +122,7 @@ int extract_raw(cmd_args *args, const extract_part *part, const char *path, cmd_
         done += count;
     }
     free(b.data);
-    if (status == CMD_OK)
-        return cmd_output_commit(&output);
-    cmd_output_drop(&output);
-    return status;
+    return cmd_output_end(&output, status);
 }
 
 /* ---- pictures --------------------------------------------------------------------------------------------- */

@@ -83,15 +83,8 @@ static int write_picture(cmd_args *args, const cmd_input *input, uint32_t image,
 }
 
 static int write_contours(const json_t *root, const char *folder) {
-    cmd_output output = {0};
     char *path = extract_path(folder, "bases.json");
-    int status = path ? cmd_output_open(&output, path, 0) : cmd_fail(CMD_INTERNAL, "out of memory");
-    if (status == CMD_OK)
-        status = cmd_json_print(output.stream, root);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&output);
-    else
-        cmd_output_drop(&output);
+    int status = path ? cmd_json_write(path, root) : cmd_fail(CMD_INTERNAL, "out of memory");
     free(path);
     return status;
 }
@@ -233,8 +226,5 @@ int extract_arrangement(const cmd_input *input, uint32_t texture, uint32_t level
     free(s.means);
     if (status == CMD_OK && cmd_interrupted())
         status = cmd_cancelled();
-    if (status == CMD_OK)
-        return cmd_output_commit(&output);
-    cmd_output_drop(&output);
-    return status;
+    return cmd_output_end(&output, status);
 }

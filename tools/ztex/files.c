@@ -116,6 +116,11 @@ void cmd_close(cmd_input *input) {
 
 /* ---- writing ---------------------------------------------------------------------------------------- */
 
+int cmd_ends_with(const char *text, const char *end) {
+    size_t a = strlen(text), b = strlen(end);
+    return a >= b && strcmp(text + a - b, end) == 0;
+}
+
 int cmd_check_output(const char *output, const char *const *inputs, size_t input_count) {
     struct stat out, in;
     if (is_standard(output) || stat(output, &out) != 0)
@@ -247,6 +252,13 @@ void cmd_output_drop(cmd_output *output) {
         fclose(output->stream);
     cmd_temporary_drop(output->temporary);
     *output = (cmd_output){0};
+}
+
+int cmd_output_end(cmd_output *output, int status) {
+    if (status == CMD_OK)
+        return cmd_output_commit(output);
+    cmd_output_drop(output);
+    return status;
 }
 
 /* ---- a writer ------------------------------------------------------------------------------------------ */

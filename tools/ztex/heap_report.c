@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int ends_with(const char *text, const char *end) {
-    size_t a = strlen(text), b = strlen(end);
-    return a >= b && strcmp(text + a - b, end) == 0;
-}
-
 /* A file beside the result that is only looked at. */
 typedef struct companion {
     char *path;
@@ -53,12 +48,9 @@ static int write_to(const heap_report *report, const char *path) {
     cmd_output output = {0};
     int status = cmd_output_open(&output, path, 0);
     if (status == CMD_OK)
-        status = ends_with(path, ".json") ? heap_report_json(report, output.stream)
-                                          : heap_report_html(report, output.stream);
-    if (status == CMD_OK)
-        return cmd_output_commit(&output);
-    cmd_output_drop(&output);
-    return status;
+        status = cmd_ends_with(path, ".json") ? heap_report_json(report, output.stream)
+                                              : heap_report_html(report, output.stream);
+    return cmd_output_end(&output, status);
 }
 
 int heap_write_report(const heap *h, const char *output, const char *path) {

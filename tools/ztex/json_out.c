@@ -56,3 +56,11 @@ int cmd_json_print(FILE *stream, const json_t *value) {
     fputc('\n', stream);
     return ferror(stream) ? cmd_fail(CMD_IO, "standard output: writing failed") : CMD_OK;
 }
+
+int cmd_json_write(const char *path, const json_t *value) {
+    cmd_output output = {0};
+    int status = cmd_output_open(&output, path, 0);
+    if (status == CMD_OK)
+        status = cmd_json_print(output.stream, value);
+    return cmd_output_end(&output, status);
+}

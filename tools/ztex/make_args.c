@@ -68,6 +68,14 @@ int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint
     return CMD_OK;
 }
 
+int make_read_tile_edge(const cmd_args *args, int *edge) {
+    uint64_t value = cmd_integer(args, "tile-edge");
+    if ((value & (value - 1)) != 0)
+        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)value);
+    *edge = cmd_given(args, "tile-edge") ? (int)value : 0;
+    return CMD_OK;
+}
+
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path) {
     const char *given = cmd_text(args, "name");
     const char *slash = strrchr(path, '/');

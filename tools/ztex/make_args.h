@@ -86,8 +86,10 @@ int make_copy_authorship(make_scene *scene, const char *path);
 int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint32_t *semantic, const char **path);
 /* --name, or the name of the picture at path without folder and extension; "" when the format does not allow it. */
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path);
-/* verb_make.c: the pictures that a scene names are originals, which the output must not replace. Returns a cmd_status. */
-int make_check_outputs(const make_scene *scene, const char *output);
+/* --tile-edge; 0 when it is not given: the library chooses, for block formats have smaller tiles. */
+int make_read_tile_edge(const cmd_args *args, int *edge);
+/* make_file.c: stores the scene. What it names are originals, which neither the output nor the report (NULL: there is none) may replace. */
+int make_file_of(cmd_args *args, const make_scene *scene, const char *output, const char *report);
 /* --effort, --raw and --no-fsync. */
 zt_writer_options make_writer_options(const cmd_args *args, cmd_progress *progress);
 

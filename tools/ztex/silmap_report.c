@@ -233,8 +233,7 @@ int silmap_write_report(cmd_args *args, const silmap_made *made, const char *inp
     telling report = {.args = args, .made = made, .input = input, .output = output};
     cmd_input file;
     cmd_output to = {0};
-    size_t length = strlen(path);
-    int json = length > 5 && strcmp(path + length - 5, ".json") == 0;
+    int json = cmd_ends_with(path, ".json");
     int status = cmd_open(args, output, 0, &file);
     if (status != CMD_OK)
         return status;
@@ -242,10 +241,7 @@ int silmap_write_report(cmd_args *args, const silmap_made *made, const char *inp
     status = cmd_output_open(&to, path, 0);
     if (status == CMD_OK)
         status = json ? put_json(&report, to.stream) : put_page(&report, to.stream);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&to);
-    else
-        cmd_output_drop(&to);
+    status = cmd_output_end(&to, status);
     cmd_close(&file);
     return status;
 }

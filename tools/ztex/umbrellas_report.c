@@ -191,18 +191,14 @@ static int put_page(cmd_args *args, umbrellas_made *made, const zt_file *file, c
 int umbrellas_write_report(cmd_args *args, umbrellas_made *made, const char *output, const char *path) {
     cmd_input file;
     cmd_output to = {0};
-    size_t length = strlen(path);
-    int json = length > 5 && strcmp(path + length - 5, ".json") == 0;
+    int json = cmd_ends_with(path, ".json");
     int status = cmd_open(args, output, 0, &file);
     if (status != CMD_OK)
         return status;
     status = cmd_output_open(&to, path, 0);
     if (status == CMD_OK)
         status = json ? put_json(made, output, to.stream) : put_page(args, made, file.file, output, to.stream);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&to);
-    else
-        cmd_output_drop(&to);
+    status = cmd_output_end(&to, status);
     cmd_close(&file);
     return status;
 }

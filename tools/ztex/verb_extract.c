@@ -288,10 +288,7 @@ static int extract_drawing(const cmd_args *args, const cmd_input *input, const c
     if (status == CMD_OK)
         status = extract_cells(input->file, input->name, texture, layer, (uint32_t)cmd_integer(args, "array-layer"),
                                output.stream);
-    if (status == CMD_OK)
-        return cmd_output_commit(&output);
-    cmd_output_drop(&output);
-    return status;
+    return cmd_output_end(&output, status);
 }
 
 /* The type of the output says the form. */

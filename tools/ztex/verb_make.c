@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ztex make: pictures, or a scene that names them, into a texture file. */
 #include "make_args.h"
-#include "silmap.h"
-#include "umbrellas.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -114,18 +112,15 @@ static int named_number(const cmd_args *args, const char *name, int (*number_of)
 
 static int read_defaults(const cmd_args *args, make_options *o) {
     const char *format = cmd_text(args, "format");
-    uint64_t edge = cmd_integer(args, "tile-edge");
     *o = (make_options){.alpha = cmd_choice(args, "alpha"),
                         .mip_filter = cmd_given(args, "mip-filter") ? cmd_choice(args, "mip-filter") : MAKE_UNSET,
                         .levels = (int)cmd_integer(args, "levels"),
                         .keep_orientation = cmd_given(args, "keep-orientation") > 0};
     if (format)
         o->format = zt_find_format_name(format)->format;
-    if ((edge & (edge - 1)) != 0)
-        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)edge);
-    /* Unsaid, the library chooses: block formats have smaller tiles. */
-    o->tile_edge = cmd_given(args, "tile-edge") ? (int)edge : 0;
-    int status = named_number(args, "transfer", cmd_transfer_number, &o->transfer);
+    int status = make_read_tile_edge(args, &o->tile_edge);
+    if (status == CMD_OK)
+        status = named_number(args, "transfer", cmd_transfer_number, &o->transfer);
     return status == CMD_OK ? named_number(args, "primaries", cmd_primaries_number, &o->primaries) : status;
 }
 
@@ -252,9 +247,8 @@ static int is_scene_text(const char *data, size_t size) {
 
 /* info.json is what the IIIF Image API calls the descriptor of a picture. */
 static int is_scene_name(const char *path) {
-    size_t length = strlen(path);
     const char *slash = strrchr(path, '/');
-    return length > 5 && strcmp(path + length - 5, ".json") == 0 && strcmp(slash ? slash + 1 : path, "info.json") != 0;
+    return cmd_ends_with(path, ".json") && strcmp(slash ? slash + 1 : path, "info.json") != 0;
 }
 
 /* Builds the scene from whatever the operand is. *data and *temporary are released by the caller. */
@@ -279,57 +273,11 @@ static int read_operands(const cmd_args *args, make_scene *scene, void **data, c
     return status == CMD_OK ? make_add_metadata(args, scene) : status;
 }
 
-static int check_image_output(const make_image *image, const char *output) {
-    int status = CMD_OK;
-    for (size_t f = 0; image && status == CMD_OK && f < image->file_count; f++)
-        status = cmd_check_output(output, &image->files[f].path, 1);
-    return status;
-}
-
-static int check_base_outputs(const make_umbrellas *u, const char *output) {
-    int status = check_image_output(u->background_image, output);
-    for (uint32_t b = 0; status == CMD_OK && b < u->base_count; b++) {
-        const make_umbrella_base *base = &u->bases[b];
-        status = check_image_output(base->image, output);
-        if (status == CMD_OK && base->outline.drawing)
-            status = cmd_check_output(output, &base->outline.drawing, 1);
-        if (status == CMD_OK && base->morph.drawing)
-            status = cmd_check_output(output, &base->morph.drawing, 1);
-        for (uint32_t v = 0; status == CMD_OK && v < base->input.variant_count; v++)
-            status = check_image_output(base->variants[v].image, output);
-    }
-    return status;
-}
-
-static int check_patch_output(const make_patch *patch, uint32_t layer_count, const char *output) {
-    int status = check_image_output(patch->mask, output);
-    for (uint32_t i = 0; status == CMD_OK && i < layer_count; i++)
-        status = check_image_output(patch->images[i], output);
-    return status;
-}
-
-int make_check_outputs(const make_scene *scene, const char *output) {
-    int status = CMD_OK;
-    for (uint32_t t = 0; status == CMD_OK && t < scene->texture_count; t++) {
-        const make_texture *texture = &scene->textures[t];
-        for (uint32_t i = 0; status == CMD_OK && !texture->is_zipmap && i < texture->layer_count; i++)
-            status = check_image_output(texture->images[i], output);
-        if (status == CMD_OK && texture->umbrellas)
-            status = check_base_outputs(texture->umbrellas, output);
-        if (status == CMD_OK && texture->silmap && texture->silmap->edges)
-            status = cmd_check_output(output, &texture->silmap->edges, 1);
-        for (uint32_t i = 0; status == CMD_OK && i < texture->patch_count; i++)
-            status = check_patch_output(&texture->patches[i], texture->layer_count, output);
-    }
-    return status;
-}
-
 static int run(cmd_args *args) {
     const char *output = cmd_text(args, "output");
     make_scene scene = {.folder = ""};
     void *data = NULL;
     char *temporary = NULL;
-    cmd_progress progress;
     if (!output)
         return cmd_usage(args, "-o FILE is missing: where shall the texture go?");
     int status = cmd_check_output(output, args->operands, args->operand_count);
@@ -338,12 +286,7 @@ static int run(cmd_args *args) {
     if (status == CMD_OK)
         status = read_operands(args, &scene, &data, &temporary);
     if (status == CMD_OK)
-        status = make_check_outputs(&scene, output);
-    cmd_progress_begin(&progress, args, "making");
-    zt_writer_options writer = make_writer_options(args, &progress);
-    if (status == CMD_OK)
-        status = make_store_scene(args, &scene, output, &writer, &progress);
-    cmd_progress_end(&progress);
+        status = make_file_of(args, &scene, output, NULL);
     make_scene_release(&scene);
     cmd_temporary_drop(temporary);
     free(data);

@@ -204,16 +204,12 @@ static int add_layers(const cmd_args *args, make_scene *scene, make_texture *tex
 }
 
 static int read_defaults(const cmd_args *args, make_options *o) {
-    uint64_t edge = cmd_integer(args, "tile-edge");
     *o = (make_options){.alpha = cmd_choice(args, "alpha"),
                         .transfer = MAKE_UNSET,
                         .primaries = MAKE_UNSET,
                         .mip_filter = cmd_choice(args, "mip-filter"),
                         .levels = (int)cmd_integer(args, "levels")};
-    if ((edge & (edge - 1)) != 0)
-        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)edge);
-    o->tile_edge = cmd_given(args, "tile-edge") ? (int)edge : 0;
-    return CMD_OK;
+    return make_read_tile_edge(args, &o->tile_edge);
 }
 
 /* The scene of one texture that the command line describes. */
@@ -246,29 +242,6 @@ static int describe(const cmd_args *args, make_scene *scene, make_silmap *silmap
 
 /* ---- running -------------------------------------------------------------------------------------------------- */
 
-static int check_files(const cmd_args *args, const make_scene *scene, const char *output) {
-    const char *report = cmd_text(args, "report"), *edges = cmd_text(args, "edges");
-    int status = edges ? cmd_check_output(output, &edges, 1) : CMD_OK;
-    if (report && strcmp(report, output) == 0)
-        return cmd_usage(args, "--report and --output have one name: %s", report);
-    for (uint32_t i = 0; status == CMD_OK && i < scene->textures[0].layer_count; i++) {
-        const char *path = scene->textures[0].images[i]->files[0].path;
-        status = cmd_check_output(output, &path, 1);
-        if (status == CMD_OK && report)
-            status = cmd_check_output(report, &path, 1);
-    }
-    return status;
-}
-
-static int make_file_of(cmd_args *args, make_scene *scene, const char *output) {
-    cmd_progress progress;
-    cmd_progress_begin(&progress, args, "making");
-    zt_writer_options writer = make_writer_options(args, &progress);
-    int status = make_store_scene(args, scene, output, &writer, &progress);
-    cmd_progress_end(&progress);
-    return status;
-}
-
 static int run(cmd_args *args) {
     const char *output = cmd_text(args, "output"), *report = cmd_text(args, "report"), *font = cmd_text(args, "font");
     const char *input = font ? font : args->operand_count ? args->operands[0] : NULL;
@@ -290,9 +263,7 @@ static int run(cmd_args *args) {
     if (status == CMD_OK)
         status = describe(args, &scene, &silmap, input);
     if (status == CMD_OK)
-        status = check_files(args, &scene, output);
-    if (status == CMD_OK)
-        status = make_file_of(args, &scene, output);
+        status = make_file_of(args, &scene, output, report);
     if (status == CMD_OK && report)
         status = silmap_write_report(args, &made, input, output, report);
     author_silmap_release(&made.result);

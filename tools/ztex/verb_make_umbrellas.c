@@ -69,17 +69,6 @@ static int read_scene(const cmd_args *args, make_scene *scene, void **data) {
     return status == CMD_OK ? make_scene_parse(scene, *data, size) : status;
 }
 
-static int store(cmd_args *args, make_scene *scene, const char *output) {
-    cmd_progress progress;
-    cmd_progress_begin(&progress, args, "making");
-    zt_writer_options writer = make_writer_options(args, &progress);
-    int status = make_check_outputs(scene, output);
-    if (status == CMD_OK)
-        status = make_store_scene(args, scene, output, &writer, &progress);
-    cmd_progress_end(&progress);
-    return status;
-}
-
 static int run(cmd_args *args) {
     const char *output = cmd_text(args, "output"), *report = cmd_text(args, "report");
     make_scene scene = {.folder = ""};
@@ -90,8 +79,6 @@ static int run(cmd_args *args) {
         return cmd_usage(args, "-o FILE is missing: where shall the texture go?");
     if (strcmp(output, "-") == 0 && (report || cmd_given(args, "json")))
         return cmd_usage(args, "--report and --json look at the file that was made: give it a name with -o");
-    if (report && strcmp(report, output) == 0)
-        return cmd_usage(args, "--report and --output have one name: %s", report);
     int status = cmd_check_output(output, args->operands, 1);
     if (status == CMD_OK && report)
         status = cmd_check_output(report, args->operands, 1);
@@ -102,7 +89,7 @@ static int run(cmd_args *args) {
     if (status == CMD_OK) {
         umbrellas->made = &made;
         umbrellas->seed = cmd_given(args, "seed") ? cmd_integer(args, "seed") : umbrellas->seed;
-        status = store(args, &scene, output);
+        status = make_file_of(args, &scene, output, report);
     }
     if (status == CMD_OK && (report || cmd_given(args, "json")))
         status = umbrellas_measure(args, &made, output);

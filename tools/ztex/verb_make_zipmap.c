@@ -217,7 +217,6 @@ static char *folder_of(const char *path) {
 
 static int write_scene(const heap *h) {
     const char *path = cmd_text(h->args, "scene-out");
-    cmd_output output = {0};
     json_t *scene = NULL;
     if (!path)
         return CMD_OK;
@@ -225,13 +224,7 @@ static int write_scene(const heap *h) {
     int status = folder ? heap_scene(h, HEAP_RESULT, folder, &scene)
                         : cmd_fail(CMD_IO, "%s: the folder is not there", path);
     if (status == CMD_OK)
-        status = cmd_output_open(&output, path, 0);
-    if (status == CMD_OK)
-        status = cmd_json_print(output.stream, scene);
-    if (status == CMD_OK)
-        status = cmd_output_commit(&output);
-    else
-        cmd_output_drop(&output);
+        status = cmd_json_write(path, scene);
     json_decref(scene);
     free(folder);
     return status;

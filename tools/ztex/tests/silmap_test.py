@@ -475,6 +475,16 @@ class Files(Silmap):
         out = self.ztex("diff", "s.ztex", "e.ztex", status=DIFFERENT)[0].decode()
         self.assertRegex(out, r"texels: texture 0/cells: \d+ bytes differ")
 
+    def test_report_replaces_no_original(self):
+        write("lines.svg", DISC_SVG)
+        for word in ("d.svg", "lines.svg"):
+            with open(word, encoding="utf-8") as file:
+                before = file.read()
+            self.silmap("d.svg", "--edges", "lines.svg", "--cells", "16", "--report", word, status=support.USAGE)
+            with open(word, encoding="utf-8") as file:
+                self.assertEqual(file.read(), before, word)
+        self.silmap("d.svg", "--cells", "16", "--report", "same.ztex", output="same.ztex", status=support.USAGE)
+
     def test_report(self):
         self.silmap("d.svg", "--cells", "16", "--report", "r.json", output="r.ztex")
         with open(os.path.join(HERE, "../silmap_report.schema.json"), encoding="utf-8") as file:
