@@ -59,6 +59,7 @@ struct codec_contender {
     int level;     /* the peer's effort or level */
     unsigned edge; /* ours: texels, 0: chosen */
     int threads;   /* ours: 0: in the calling thread, measured in its CPU time; else wall time */
+    int at_once;   /* pictures that one call decodes; 0: one */
     int bytes_of;
 };
 
@@ -69,8 +70,10 @@ enum {
     CODEC_CHOSEN,  /* highest effort, the edge that libzt chooses */
     CODEC_WALL_1,  /* edge 256, one thread, wall time */
     CODEC_WALL_2,
+    CODEC_WALL_BOTH, /* two threads that each decode the picture, alone: how much of two processors there is */
     CODEC_WALL_1_512,
     CODEC_WALL_2_512,
+    CODEC_PLAIN, /* the files of CODEC_DEFAULT, decoded without vector instructions of our own */
     CODEC_COPY,
     CODEC_ZSTD_1,
     CODEC_ZSTD_9,
@@ -97,6 +100,10 @@ const char *codec_row_name(int row);
 size_t codec_ktx2_overhead(unsigned levels, unsigned channels);
 
 CODEC_DECLARE(zt);
+int codec_zt_both_decode(const codec_contender *self, const codec_picture *picture, const codec_bytes *in,
+                         void *texels);
+int codec_zt_plain_decode(const codec_contender *self, const codec_picture *picture, const codec_bytes *in,
+                          void *texels);
 CODEC_DECLARE(copy);
 CODEC_DECLARE(zstd);
 CODEC_DECLARE(png);

@@ -5,7 +5,8 @@
  *
  * A round first encodes, picture by picture, with all contenders. Then each contender decodes all pictures, one after the
  * other as a loader does, after one that does not count: so its code is in the caches and its threads are awake, and the
- * texels of the picture before are in the caches instead of those that come.
+ * texels of the picture before are in the caches instead of those that come. Those whose wall time counts have turns of
+ * their own behind the rounds, many, since it is the machine's whole time that they measure.
  *
  * usage: bench_codec [--rounds N] [--only TEXT] [--no-load] [--list FILE] [--pictures FOLDER] [--write FOLDER]
  *     --only TEXT       pictures whose name or class contains TEXT
@@ -16,7 +17,7 @@
 
 #include "codec.h"
 
-enum { MAX_ROUNDS = 99 };
+enum { MAX_ROUNDS = 99, WALL_TURNS = 51 };
 
 /* A round repeats what is shorter than this; the clock is good to a microsecond. Slow encoders are timed once. */
 static const double shortest = 2e-4, slow_bytes_per_second = 15e6;
@@ -30,7 +31,7 @@ typedef struct {
 typedef struct {
     codec_bytes stored[CODEC_CONTENDERS];
     double encode[CODEC_CONTENDERS][MAX_ROUNDS], decode[CODEC_CONTENDERS][MAX_ROUNDS];
-    unsigned encodes[CODEC_CONTENDERS];
+    unsigned encodes[CODEC_CONTENDERS], decodes[CODEC_CONTENDERS];
 } samples;
 
 static double now(const codec_contender *contender) {
@@ -66,7 +67,7 @@ static int decode_once(int c, const codec_picture *picture, samples *s, void *te
         runs++;
         took = now(contender) - start;
     } while (took < shortest);
-    *out = took / runs;
+    *out = took / runs / (contender->at_once ? contender->at_once : 1);
     return 1;
 }
 
@@ -90,23 +91,35 @@ static void encode(int c, const codec_picture *picture, unsigned round, samples 
     figure->there = 0;
 }
 
-/* In the first round what is decoded is compared with the source. */
-static void decode(int c, const codec_picture *picture, unsigned round, samples *s, unsigned char *texels,
-                   codec_figure *figure) {
+/* The first time what is decoded is compared with the source. */
+static void decode(int c, const codec_picture *picture, samples *s, unsigned char *texels, codec_figure *figure) {
     const codec_contender *contender = &codec_contenders[c];
+    unsigned turn = s->decodes[c];
     if (!figure->there)
         return;
-    if (round == 0)
+    if (turn == 0)
         memset(texels, 0xA5, picture->size);
-    if (!decode_once(c, picture, s, texels, &s->decode[c][round])) {
+    if (!decode_once(c, picture, s, texels, &s->decode[c][turn])) {
         fprintf(stderr, "%s: cannot decode %s\n", contender->name, picture->name);
         figure->there = 0;
         return;
     }
-    if (round == 0 && memcmp(texels, picture->texels, picture->size) != 0) {
+    s->decodes[c]++;
+    if (turn == 0 && memcmp(texels, picture->texels, picture->size) != 0) {
         fprintf(stderr, "%s: %s comes back different\n", contender->name, picture->name);
         figure->wrong = only_subnormals_differ(picture, texels) ? 2 : 1;
     }
+}
+
+static void decode_all(const codec_report *report, int c, samples *all, unsigned char *texels) {
+    size_t first = 0;
+    double ignored;
+    while (first + 1 < report->count && !report->figures[first][c].there)
+        first++;
+    if (report->figures[first][c].there)
+        decode_once(c, &report->pictures[first], &all[first], texels, &ignored);
+    for (size_t i = 0; i < report->count; i++)
+        decode(c, &report->pictures[i], &all[i], texels, &report->figures[i][c]);
 }
 
 static void run_round(const codec_report *report, unsigned round, samples *all, unsigned char *texels) {
@@ -115,25 +128,28 @@ static void run_round(const codec_report *report, unsigned round, samples *all, 
             encode(c, &report->pictures[i], round, &all[i], &report->figures[i][c]);
     }
     for (int c = 0; c < CODEC_CONTENDERS; c++) {
-        size_t first = 0;
-        double ignored;
-        while (first + 1 < report->count && !report->figures[first][c].there)
-            first++;
-        if (report->figures[first][c].there)
-            decode_once(c, &report->pictures[first], &all[first], texels, &ignored);
-        for (size_t i = 0; i < report->count; i++)
-            decode(c, &report->pictures[i], round, &all[i], texels, &report->figures[i][c]);
+        if (!codec_contenders[c].threads)
+            decode_all(report, c, all, texels);
     }
 }
 
-static void settle(samples *s, unsigned rounds, codec_figure *figures) {
+static void run_wall_turns(const codec_report *report, samples *all, unsigned char *texels) {
+    for (int turn = 0; turn < WALL_TURNS; turn++) {
+        for (int c = 0; c < CODEC_CONTENDERS; c++) {
+            if (codec_contenders[c].threads)
+                decode_all(report, c, all, texels);
+        }
+    }
+}
+
+static void settle(samples *s, codec_figure *figures) {
     for (int c = 0; c < CODEC_CONTENDERS; c++) {
         const codec_contender *contender = &codec_contenders[c];
         if (!figures[c].there)
             continue;
         figures[c].size = s->stored[contender->encode ? c : contender->bytes_of].size;
         figures[c].encode = codec_median(s->encode[c], s->encodes[c]);
-        figures[c].decode = codec_median(s->decode[c], rounds);
+        figures[c].decode = codec_median(s->decode[c], s->decodes[c]);
     }
 }
 
@@ -148,8 +164,10 @@ static int measure(codec_report *report) {
         run_round(report, round, all, texels);
         fprintf(stderr, "round %u of %u: %.0f s\n", round + 1, report->rounds, codec_wall_seconds() - start);
     }
+    if (all && texels)
+        run_wall_turns(report, all, texels);
     for (size_t i = 0; all && texels && i < report->count; i++) {
-        settle(&all[i], report->rounds, report->figures[i]);
+        settle(&all[i], report->figures[i]);
         for (int c = 0; c < CODEC_CONTENDERS; c++)
             free(all[i].stored[c].data);
     }

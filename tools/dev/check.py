@@ -87,6 +87,8 @@ INNER = [
     # Hashes and geometry in front of the tile decoder would take most of the time: it is fuzzed alone.
     ('fuzz/fuzz_tile.c', ('libzt/src/base_hash.h', 'libzt/src/file_codec.h', 'libzt/src/file_fields.h',
                           'libzt/tests/fence.h')),
+    # libzt takes the fastest decoder by itself; the bench also times the plain one.
+    ('tools/bench/codec_plain.c', ('libzt/src/file_codec.h', 'libzt/src/file_open.h')),
 ]
 
 # --- the repository --------------------------------------------------------------------------------
