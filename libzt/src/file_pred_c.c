@@ -1,10 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The decoder's loops in plain C (file_pred.h): the reference of the vector paths. No branch depends on a sample. */
-#include "file_pred_job.h"
+#include "file_pred_frame.h"
 
 #include <string.h>
 
 #include "base_bytes.h"
+
+/* Vectors are made of loops; GCC unrolls short ones before it looks. */
+#if defined(__clang__)
+#define KEEP_LOOP _Pragma("clang loop unroll(disable)")
+#elif defined(__GNUC__)
+#define KEEP_LOOP _Pragma("GCC unroll 1")
+#else
+#define KEEP_LOOP
+#endif
+
+/* For functions that are fast where their counts are constants: clang would not make one of each count. */
+#if defined(__GNUC__)
+#define INLINED static inline __attribute__((always_inline))
+#else
+#define INLINED static inline
+#endif
 
 static inline uint8_t average(uint8_t a, uint8_t b) {
     return (uint8_t)((a + b + 1) >> 1);
@@ -24,47 +40,60 @@ void zt__pred_select_c(const uint8_t *above, const uint8_t *beside, const uint8_
         acts[x] = high[x] ? ZT__PRED_ACTS - 1 : acts[x];
 }
 
-/* Decodes one sample. Returns the state, which wants a word when it is below ZT__PRED_LOW. */
-static inline uint32_t step(const uint32_t *table, uint32_t state, uint8_t *out) {
-    uint32_t e = table[state & (ZT__PRED_SLOTS - 1)];
-    *out = (uint8_t)(e >> ZT__PRED_SYMBOL_AT);
-    return (e & ZT__PRED_FREQUENCY) * (state >> ZT__PRED_BITS) + (e >> ZT__PRED_OFFSET_AT);
+/* The state behind a sample, from the one before and its table entry. It wants a word when it is below
+ * ZT__PRED_LOW. */
+static inline uint32_t advance(uint32_t entry, uint32_t state) {
+    return (entry & ZT__PRED_FREQUENCY) * (state >> ZT__PRED_BITS) + (entry >> ZT__PRED_OFFSET_AT);
 }
 
-/* The same with the word. */
-static inline const uint8_t *step_word(const uint32_t *table, uint32_t *state, uint8_t *out, const uint8_t *next) {
-    uint32_t v = step(table, *state, out), more = v << 16 | zt__load16(next);
-    uint32_t need = 0 - (uint32_t)(v < ZT__PRED_LOW); /* a mask: compilers make a branch of a choice */
-    *state = v ^ ((v ^ more) & need);
-    return next + (need & 2);
+enum { GROUP = 16 }; /* lanes that are decoded together: there are as many at least */
+
+/* One sample of each lane of a group, in loops that compilers make vectors of, but for those that look something up.
+ * Reads 2 x GROUP bytes of words. Returns where the next ones are. */
+static inline const uint8_t *step_group(const uint32_t *const *tables, const uint8_t *restrict acts,
+                                        uint32_t *restrict states, uint8_t *restrict out, const uint8_t *next) {
+    uint32_t entries[GROUP];
+    uint16_t words[GROUP];
+    for (uint32_t i = 0; i < GROUP; i++)
+        entries[i] = tables[acts[i]][states[i] & (ZT__PRED_SLOTS - 1)];
+    KEEP_LOOP
+    for (uint32_t i = 0; i < GROUP; i++)
+        states[i] = advance(entries[i], states[i]);
+    KEEP_LOOP
+    for (uint32_t i = 0; i < GROUP; i++)
+        out[i] = (uint8_t)(entries[i] >> ZT__PRED_SYMBOL_AT);
+    for (uint32_t i = 0; i < GROUP; i++) { /* a sign, not a comparison: of those compilers make branches */
+        words[i] = zt__load16(next);
+        next += (states[i] - ZT__PRED_LOW) >> 31 << 1;
+    }
+    KEEP_LOOP
+    for (uint32_t i = 0; i < GROUP; i++) {
+        uint32_t v = states[i], more = v << 16 | words[i];
+        states[i] = v < ZT__PRED_LOW ? more : v;
+    }
+    return next;
 }
 
-/* Whatever is left of the words. */
+/* Ends of rows, and whatever is left of the words. */
 static void symbols_at_end(zt__pred_job *job, const zt__pred_map *map, uint8_t *out, uint32_t from, uint32_t to) {
-    const uint32_t *const *tables = map->tables;
     for (uint32_t x = from; x < to; x++) {
         uint32_t *state = job->states + (x & (job->lanes - 1));
-        if (job->next != job->end) {
-            job->next = step_word(tables[job->acts[x]], state, out + x, job->next);
-            continue;
-        }
-        uint32_t v = step(tables[job->acts[x]], *state, out + x);
-        job->exhausted |= v < ZT__PRED_LOW;
-        *state = v < ZT__PRED_LOW ? ZT__PRED_LOW : v;
+        uint32_t entry = map->tables[job->acts[x]][*state & (ZT__PRED_SLOTS - 1)], v = advance(entry, *state);
+        bool wanted = v < ZT__PRED_LOW, there = job->next != job->end;
+        out[x] = (uint8_t)(entry >> ZT__PRED_SYMBOL_AT);
+        job->exhausted |= wanted && !there;
+        *state = !wanted ? v : there ? v << 16 | zt__load16(job->next) : ZT__PRED_LOW;
+        job->next += wanted && there ? 2 : 0;
     }
 }
 
 void zt__pred_symbols_c(zt__pred_job *job, const zt__pred_map *map, uint8_t *restrict out, uint32_t from, uint32_t to) {
     const uint8_t *next = job->next, *end = job->end;
-    const uint32_t *const *tables = map->tables;
-    uint32_t *restrict states = job->states, lanes = job->lanes;
-    for (; to - from >= lanes && (size_t)(end - next) >= 2 * (size_t)lanes; from += lanes) {
-        const uint8_t *restrict acts = job->acts + from;
-        for (uint32_t i = 0; i < lanes; i++) /* from is lane 0: a multiple of 64 in the first place */
-            next = step_word(tables[acts[i]], states + i, out + from + i, next);
-    }
+    uint32_t x = from, mask = job->lanes - 1;
+    for (; to - x >= GROUP && end - next >= 2 * GROUP; x += GROUP) /* x is the first lane of a group */
+        next = step_group(map->tables, job->acts + x, job->states + (x & mask), out + x, next);
     job->next = next;
-    symbols_at_end(job, map, out, from, to);
+    symbols_at_end(job, map, out, x, to);
 }
 
 bool zt__pred_words_left(zt__pred_job *job, const uint8_t **next) {
@@ -83,62 +112,71 @@ bool zt__pred_words_left(zt__pred_job *job, const uint8_t **next) {
     return true;
 }
 
-/* Bit lengths of low and of high bytes. */
-#define ROW16(n) n, n, n, n, n, n, n, n, n, n, n, n, n, n, n, n
-#define LENGTHS(add, none)                                                                                            \
-    none, add + 1, add + 2, add + 2, add + 3, add + 3, add + 3, add + 3, add + 4, add + 4, add + 4, add + 4, add + 4, \
-        add + 4, add + 4, add + 4, ROW16(add + 5), ROW16(add + 6), ROW16(add + 6), ROW16(add + 7), ROW16(add + 7),    \
-        ROW16(add + 7), ROW16(add + 7), ROW16(add + 8), ROW16(add + 8), ROW16(add + 8), ROW16(add + 8),               \
-        ROW16(add + 8), ROW16(add + 8), ROW16(add + 8), ROW16(add + 8)
-static const uint8_t low_lengths[256] = {LENGTHS(0, 0)}, high_lengths[256] = {LENGTHS(8, 0)};
+static inline uint8_t bit_length(uint8_t v) {
+    return (uint8_t)((v > 0) + (v > 1) + (v > 3) + (v > 7) + (v > 15) + (v > 31) + (v > 63) + (v > 127));
+}
 
-void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *out, uint32_t width) {
+void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *restrict out, uint32_t width) {
     for (uint32_t x = 0; !high && x < width; x++)
         out[x] = (uint8_t)(low[x] < 128 ? low[x] : 256 - low[x]);
     for (uint32_t x = 0; high && x < width; x++) {
-        uint8_t l = low_lengths[low[x]], h = high_lengths[high[x]];
-        out[x] = h > l ? h : l;
+        uint8_t upper = high[x], lower = low[x];
+        out[x] = (uint8_t)(bit_length(upper ? upper : lower) + (upper ? 8 : 0));
     }
 }
 
 /* Texels are restored in a field of steps. Row i of the strip is LAG columns behind the row above it: its column x is
  * in slot i + 1 of step x + LAG x i, and that of the row above the strip in slot 0 of step x - LAG. So what a texel is
- * predicted from is in the steps before: to the left one step, above two, above to the left three. All slots of a step
- * can be restored at once, and compilers make vectors of that. */
-enum { LAG = 2, SLOTS = ZT__PRED_STRIP + 1, BEFORE = LAG + 1, BEHIND = LAG * (ZT__PRED_STRIP - 1) };
+ * predicted from is in the steps before: to the left one step, above LAG, above to the left LAG + 1. All slots of a step
+ * can be restored at once, and compilers make vectors of that. What is above was stored with other bounds than it is
+ * loaded with, so it must have left the processor's store buffer: with fewer steps than 4 that is waited for. */
+enum { LAG = 4, SLOTS = ZT__PRED_STRIP + 1, BEFORE = LAG + 1, BEHIND = LAG * (ZT__PRED_STRIP - 1) };
+
+/* The field is in the scratch memory for rows of texels (zt__pred_scratch_size). */
+_Static_assert((BEFORE + BEHIND) * SLOTS * 8 <= (ZT__PRED_STRIP + 1) * 5 * ZT__PRED_MARGIN - ZT__PRED_MARGIN,
+               "a field of steps of 8-byte texels fits");
 
 /* Where column 0 of row i begins, in texels; the next one is SLOTS behind. Row -1 is the one above the strip. */
-static inline size_t place_of(int32_t i) {
-    return (size_t)((BEFORE + LAG * i) * SLOTS + i + 1);
+static inline size_t place_of(uint32_t i) {
+    return (BEFORE + (size_t)LAG * i) * SLOTS + i + 1;
 }
 
 /* Residuals in the field become values. n: numbers in a texel, a constant where this is inlined. */
-#define RESTORE(name, type)                                                                      \
-    static inline void name(type *field, uint32_t n, uint32_t width) {                           \
-        const size_t step = (size_t)SLOTS * n;                                                   \
-        type *at = field + BEFORE * step;                                                        \
-        for (uint32_t x = 0; x < width + BEHIND; x++, at += step) {                              \
-            type *slots = at + n;                                                                \
-            const type *lefts = slots - step, *aboves = at - 2 * step, *corners = at - 3 * step; \
-            for (uint32_t i = 0; i < ZT__PRED_STRIP * n; i++) {                                  \
-                type left = lefts[i], above = aboves[i], corner = corners[i];                    \
-                type least = left < above ? left : above, most = left < above ? above : left;    \
-                corner = corner < least ? least : corner;                                        \
-                corner = corner > most ? most : corner;                                          \
-                slots[i] = (type)(slots[i] + left + above - corner);                             \
-            }                                                                                    \
-        }                                                                                        \
+#define RESTORE(name, type)                                                                                 \
+    INLINED void name##_step(type *restrict slots, const type *restrict lefts, const type *restrict aboves, \
+                             const type *restrict corners, uint32_t n) {                                    \
+        KEEP_LOOP                                                                                           \
+        for (uint32_t i = 0; i < ZT__PRED_STRIP * n; i++) {                                                 \
+            type left = lefts[i], above = aboves[i], corner = corners[i];                                   \
+            type least = left < above ? left : above, most = left < above ? above : left;                   \
+            corner = corner < least ? least : corner;                                                       \
+            corner = corner > most ? most : corner;                                                         \
+            slots[i] = (type)(slots[i] + left + above - corner);                                            \
+        }                                                                                                   \
+    }                                                                                                       \
+    INLINED void name(type *field, uint32_t n, uint32_t width) {                                            \
+        const size_t step = (size_t)SLOTS * n;                                                              \
+        type *at = field + BEFORE * step;                                                                   \
+        for (uint32_t x = 0; x < width + BEHIND; x++, at += step)                                           \
+            name##_step(at + n, at + n - step, at - LAG * step, at - (LAG + 1) * step, n);                  \
     }
 RESTORE(restore_steps8, uint8_t)
 RESTORE(restore_steps16, uint16_t)
 
+/* Copies count texels, which are to_step and from_step bytes apart. size: of a texel, a constant where this is
+ * inlined. */
+INLINED void copy_texels(void *restrict to, size_t to_step, const void *restrict from, size_t from_step, size_t size,
+                         uint32_t count) {
+    uint8_t *out = to;
+    const uint8_t *in = from;
+    for (uint32_t x = 0; x < count; x++, out += to_step, in += from_step)
+        memcpy(out, in, size);
+}
+
 /* The last row of a strip becomes the one above the next, and left of all rows there are zeros. */
-static inline void next_strip(uint8_t *field, size_t texel_bytes, uint32_t width) {
+INLINED void next_strip(uint8_t *field, size_t texel_bytes, uint32_t width) {
     const size_t step = SLOTS * texel_bytes;
-    uint8_t *above = field + place_of(-1) * texel_bytes;
-    const uint8_t *last = field + place_of(ZT__PRED_STRIP - 1) * texel_bytes;
-    for (uint32_t x = 0; x < width; x++, above += step, last += step)
-        memcpy(above, last, texel_bytes);
+    copy_texels(field + step, step, field + place_of(ZT__PRED_STRIP - 1) * texel_bytes, step, texel_bytes, width);
     for (size_t i = 0; i < BEFORE + BEHIND; i++) {
         bool first = i < BEFORE - LAG; /* no row has begun */
         memset(field + i * step + (first ? 0 : texel_bytes), 0, step - (first ? 0 : texel_bytes));
@@ -157,69 +195,104 @@ static void channel_rows(const zt__pred_job *job, uint32_t i, const uint8_t *hig
     }
 }
 
-static inline void restore8(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
-    uint8_t *field = job->texels;
-    uint32_t width = job->shape.width, channels = job->shape.channels;
-    const uint8_t green = job->colour ? 255 : 0;
-    next_strip(field, n, width);
-    const uint8_t *row[4], *same[4];
-    uint8_t *slot = field + place_of(0) * n;
-    channel_rows(job, 0, row, same);
-    /* Step by step. A row is read from its margin on, where zeros are. */
-    for (uint32_t x = 0; x < width + BEHIND; x++, slot += n) {
-        size_t from = x;
-        for (uint32_t i = 0; i < ZT__PRED_STRIP; i++, slot += n, from += job->pitch - LAG) {
-            for (uint32_t c = 0; n < 4 && c < n; c++)
-                slot[c] = row[c][from];
-            if (n == 4)
-                zt__store32(slot, row[0][from] | (uint32_t)row[1][from] << 8 | (uint32_t)row[2][from] << 16 |
-                                      (uint32_t)row[3][from] << 24);
-        }
+/* Residuals go into the field by way of so many texels in a row, which vectors make. */
+enum { PART = 64 };
+
+INLINED void interleave8(const uint8_t *const rows[4], uint32_t from, uint32_t n, uint8_t *restrict out) {
+    const uint8_t *a = rows[0] + from, *b = rows[1] + from, *c = rows[2] + from, *d = rows[3] + from;
+    for (uint32_t x = 0; n == 2 && x < PART; x++) {
+        out[2 * x] = a[x];
+        out[2 * x + 1] = b[x];
     }
-    restore_steps8(field, n, width);
-    for (uint32_t i = 0; i < rows; i++) {
-        const uint8_t *at = field + place_of((int32_t)i) * n;
-        uint8_t *to = dst + i * dst_pitch;
-        for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n, to += channels) {
-            uint32_t v = n == 4 ? zt__load32(at) : 0, g = v >> 8 & green;
-            uint32_t even = (v & 0xFF00FF) + (g | g << 16);
-            v = (v & 0xFF00FF00) | (even & 0xFF00FF);
-            for (uint32_t c = 0; n < 4 && c < n; c++)
-                to[c] = at[c];
-            if (n == 4 && channels == 4)
-                zt__store32(to, v);
-            for (uint32_t c = 0; n == 4 && channels == 3 && c < 3; c++)
-                to[c] = (uint8_t)(v >> 8 * c);
+    for (uint32_t x = 0; n == 4 && x < PART; x++) {
+        out[4 * x] = a[x];
+        out[4 * x + 1] = b[x];
+        out[4 * x + 2] = c[x];
+        out[4 * x + 3] = d[x];
+    }
+}
+
+static inline uint16_t number16(const uint8_t *const highs[4], const uint8_t *const lows[4], uint32_t c, uint32_t x) {
+    uint16_t z = (uint16_t)(highs[c][x] << 8 | lows[c][x]);
+    return (uint16_t)(z >> 1 ^ (0 - (z & 1)));
+}
+
+INLINED void interleave16(const uint8_t *const highs[4], const uint8_t *const lows[4], uint32_t from, uint32_t n,
+                          uint16_t *restrict out) {
+    for (uint32_t x = 0; x < PART; x++) {
+        out[n * x] = number16(highs, lows, 0, from + x);
+        if (n > 1)
+            out[n * x + 1] = number16(highs, lows, 1, from + x);
+        if (n > 2) {
+            out[n * x + 2] = number16(highs, lows, 2, from + x);
+            out[n * x + 3] = number16(highs, lows, 3, from + x);
         }
     }
 }
 
-static inline void restore16(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
+/* Copies count texels of n numbers, which become little-endian. */
+INLINED void put_numbers(uint8_t *restrict to, const uint16_t *restrict from, size_t from_step, size_t n,
+                         uint32_t count) {
+    for (uint32_t x = 0; x < count; x++, to += 2 * n, from += from_step)
+        for (size_t i = 0; i < n; i++)
+            zt__store16(to + 2 * i, from[i]);
+}
+
+/* n: channels in the field, a constant where this is inlined. A part may be read that is behind the width: rows have
+ * margins. */
+INLINED void restore8(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
+    const uint32_t width = job->shape.width;
+    const size_t step = (size_t)SLOTS * n;
+    uint8_t part[4 * PART];
+    next_strip(job->texels, n, width);
+    for (uint32_t i = 0; i < ZT__PRED_STRIP; i++) {
+        const uint8_t *row[4], *same[4];
+        uint8_t *slot = job->texels + place_of(i) * n;
+        channel_rows(job, i, row, same);
+        for (uint32_t x = 0; n > 1 && x < width; x += PART) {
+            interleave8(row, x, n, part);
+            copy_texels(slot + x * step, step, part, n, n, zt__min32(PART, width - x));
+        }
+        if (n == 1)
+            copy_texels(slot, step, row[0], 1, 1, width);
+    }
+    restore_steps8(job->texels, n, width);
+    for (uint32_t i = 0; i < rows; i++, dst += dst_pitch) {
+        const uint8_t *slot = job->texels + place_of(i) * n;
+        if (job->shape.channels == 3)
+            copy_texels(dst, 3, slot, step, 3, width);
+        else
+            copy_texels(dst, n, slot, step, n, width);
+        if (job->colour)
+            zt__pred_add_green(&job->shape, dst);
+    }
+}
+
+INLINED void restore16(zt__pred_job *job, uint32_t rows, uint8_t *dst, size_t dst_pitch, uint32_t n) {
+    const uint32_t width = job->shape.width;
+    const size_t size = 2 * (size_t)n, step = (size_t)SLOTS * n;
+    uint16_t part[4 * PART];
     void *texels = job->texels; /* aligned for any number */
     uint16_t *field = texels;
-    uint32_t width = job->shape.width, channels = job->shape.channels;
-    const uint16_t green = job->colour ? 0xFFFF : 0;
-    next_strip(texels, 2 * n, width);
-    for (uint32_t i = 0; i < rows; i++) {
+    next_strip(texels, size, width);
+    for (uint32_t i = 0; i < ZT__PRED_STRIP; i++) {
         const uint8_t *highs[4], *lows[4];
+        uint16_t *slot = field + place_of(i) * n;
         channel_rows(job, i, highs, lows);
-        for (uint32_t c = 0; c < n; c++) {
-            uint16_t *at = field + place_of((int32_t)i) * n + c;
-            for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n) {
-                uint32_t z = (uint32_t)highs[c][x] << 8 | lows[c][x];
-                *at = (uint16_t)((z >> 1) ^ (0 - (z & 1)));
-            }
+        for (uint32_t x = 0; x < width; x += PART) {
+            interleave16(highs, lows, x, n, part);
+            copy_texels(slot + x * step, 2 * step, part, size, size, zt__min32(PART, width - x));
         }
     }
     restore_steps16(field, n, width);
-    for (uint32_t i = 0; i < rows; i++) {
-        const uint16_t *at = field + place_of((int32_t)i) * n;
-        uint8_t *to = dst + i * dst_pitch;
-        for (uint32_t x = 0; x < width; x++, at += (size_t)SLOTS * n, to += 2 * (size_t)channels)
-            for (uint32_t c = 0; c < channels; c++) {
-                uint16_t more = n == 4 && (c == 0 || c == 2) ? at[n == 4 ? 1 : 0] & green : 0;
-                zt__store16(to + 2 * (size_t)c, (uint16_t)(at[c] + more));
-            }
+    for (uint32_t i = 0; i < rows; i++, dst += dst_pitch) {
+        const uint16_t *slot = field + place_of(i) * n;
+        if (job->shape.channels == 3)
+            put_numbers(dst, slot, step, 3, width);
+        else
+            put_numbers(dst, slot, step, n, width);
+        if (job->colour)
+            zt__pred_add_green(&job->shape, dst);
     }
 }
 

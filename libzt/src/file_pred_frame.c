@@ -116,6 +116,10 @@ static void mix(const zt__pred_shape *shape, uint8_t *texels, bool add) {
         mix16(texels, shape->channels, shape->width, add);
 }
 
+void zt__pred_add_green(const zt__pred_shape *shape, uint8_t *texels) {
+    mix(shape, texels, true);
+}
+
 /* ---- prediction of a row ---- */
 
 /* Rows are bytes of texels, in little-endian channels. step: bytes of a texel. */

@@ -42,6 +42,9 @@ void zt__pred_to_samples(const zt__pred_shape *shape, const zt__pred_form *form,
 void zt__pred_from_samples(const zt__pred_kernel *kernel, const zt__pred_shape *shape, const zt__pred_form *form,
                            const uint8_t *samples, uint8_t *dst, size_t dst_pitch, zt__hasher *hasher);
 
+/* Undoes the colour transform of a row of texels: adds channel 1 to the channels 0 and 2. */
+void zt__pred_add_green(const zt__pred_shape *shape, uint8_t *texels);
+
 /* The third component of unit vectors: entry s / 8 is for s = 255^2 - x^2 - y^2, x and y being odd. */
 void zt__pred_fill_slopes(uint8_t slopes[ZT__PRED_SLOPES]);
 
