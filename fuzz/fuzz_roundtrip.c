@@ -84,27 +84,6 @@ static bool is_small(const zt_file *file, const zt_file_info *info) {
     return sum <= MOST_BYTES;
 }
 
-static zt_image_desc desc_of(const zt_image_info *im) {
-    zt_image_desc desc = {.format = im->format,
-                          .width = im->width,
-                          .height = im->height,
-                          .depth = im->depth,
-                          .layers = im->layers,
-                          .levels = im->levels,
-                          .tile_edge = im->tile_edge,
-                          .alpha_mode = (zt_alpha)im->alpha_mode,
-                          .layer_kind = (zt_layer_kind)im->layer_kind,
-                          .primaries = im->primaries,
-                          .transfer = im->transfer,
-                          .given_levels = 1};
-    if (!zt_find_format(im->format)) {
-        desc.block_width = im->block_width;
-        desc.block_height = im->block_height;
-        desc.block_bytes = im->block_bytes;
-    }
-    return desc;
-}
-
 static void put_rows(zt_writer *writer, const zt_file *file, uint32_t image, uint32_t level, uint32_t layers) {
     zt_level_info info;
     zt_diag diag;
@@ -147,7 +126,8 @@ static void copy_images(zt_writer *writer, const zt_file *file, uint32_t count, 
     uint32_t index;
     for (uint32_t i = 0; i < count; i++) {
         REQUIRE(zt_get_image(file, i, &im) == ZT_OK);
-        zt_image_desc desc = desc_of(&im);
+        zt_image_desc desc;
+        zt_describe_image(&im, &desc);
         zt_result result = zt_writer_add_image(writer, &desc, &diag, &index);
         fuzz_require_diag(&diag, result, 0);
         REQUIRE(result == ZT_OK && index == i);

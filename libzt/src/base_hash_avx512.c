@@ -13,7 +13,7 @@
 #pragma GCC target("avx2,avx512f")
 #endif
 #define XXH_VECTOR XXH_AVX512
-#include "base_hash_vector.h"
+#include "base_hash_xxh3.h"
 #ifdef __clang__
 #pragma clang attribute pop
 #else

@@ -16,6 +16,26 @@ static uint32_t all_levels(const zt__image_record *r) {
     return 1 + zt__log2(zt__max32(zt__max32(r->width, r->height), zt__max32(r->depth, 1)));
 }
 
+void zt_describe_image(const zt_image_info *info, zt_image_desc *out) {
+    *out = (zt_image_desc){.format = info->format,
+                           .width = info->width,
+                           .height = info->height,
+                           .depth = info->depth,
+                           .layers = info->layers,
+                           .levels = info->levels,
+                           .tile_edge = info->tile_edge,
+                           .alpha_mode = (zt_alpha)info->alpha_mode,
+                           .layer_kind = (zt_layer_kind)info->layer_kind,
+                           .primaries = info->primaries,
+                           .transfer = info->transfer,
+                           .given_levels = 1};
+    if (!zt_find_format(info->format)) {
+        out->block_width = info->block_width;
+        out->block_height = info->block_height;
+        out->block_bytes = info->block_bytes;
+    }
+}
+
 static zt_result tile_log2_of(const zt_image_desc *d, const zt__image_record *r, uint8_t *out, zt_diag *diag) {
     bool blocks = r->block_width > 1 || r->block_height > 1;
     uint32_t edge = d->tile_edge;

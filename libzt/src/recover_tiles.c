@@ -184,30 +184,15 @@ static zt_result save_unit(zt__recovery *r, uint32_t image, uint32_t unit) {
 }
 
 zt_result zt__recover_image(zt__recovery *r, uint32_t image) {
-    const zt__image *im = &r->file->images[image];
-    const zt__image_record *i = &im->record;
+    zt_image_info info;
+    zt_image_desc desc;
     uint32_t index;
-    zt_image_desc desc = {
-        .format = i->format,
-        .width = i->width,
-        .height = i->height,
-        .depth = i->depth,
-        .layers = i->layers,
-        .levels = i->levels,
-        .tile_edge = UINT32_C(1) << i->tile_log2,
-        .alpha_mode = (zt_alpha)i->alpha_mode,
-        .layer_kind = (zt_layer_kind)i->layer_kind,
-        .primaries = i->primaries,
-        .transfer = i->transfer,
-        .block_width = i->block_width,
-        .block_height = i->block_height,
-        .block_bytes = i->block_bytes,
-        .given_levels = 1,
-    };
+    ZT_TRY(zt_get_image(r->file, image, &info));
+    zt_describe_image(&info, &desc);
     ZT_TRY(zt_writer_add_image(r->writer, &desc, r->diag, &index));
     if (index != image)
         return zt__bad_argument(r->diag, "the writer is not fresh");
-    for (uint32_t unit = im->unit_count; unit-- > 0;)
+    for (uint32_t unit = r->file->images[image].unit_count; unit-- > 0;)
         ZT_TRY(save_unit(r, image, unit));
     return ZT_OK;
 }

@@ -14,8 +14,7 @@ zt__pixel zt__pixel_of(double xx, double yx, double xy, double yy) {
 
 /* ---- contours --------------------------------------------------------------------------------------- */
 
-zt__contour zt__contour_of(const zt__umbrellas *umbrellas, const zt_umbrella *umbrella) {
-    const zt_umbrella_info *info = &umbrellas->view;
+zt__contour zt__contour_of(const zt_umbrella_info *info, const zt_umbrella *umbrella) {
     zt__contour c = {.count = umbrella->vertex_count};
     if (umbrella->form != ZT_UMBRELLA_PARAMETRIC) {
         c.offsets = info->explicit_vertices + umbrella->first_vertex;
@@ -52,6 +51,24 @@ double zt__contour_radius(const zt__contour *c, double stretch) {
         most = length2 > most ? length2 : most;
     }
     return sqrt(most);
+}
+
+void zt__umbrella_units(const zt_umbrella_info *info, const zt_umbrella *umbrella, uint32_t bits, double units[4]) {
+    if (umbrella->form != ZT_UMBRELLA_PARAMETRIC) {
+        units[0] = units[3] = (double)(UINT32_C(1) << bits);
+        units[1] = units[2] = 0;
+        return;
+    }
+    /* The way back from cells to the picture. */
+    const zt_umbrella_base *base = &info->bases[umbrella->base];
+    bool moved = zt__contour_of(info, umbrella).weight != 0;
+    double a = umbrella->a, b = umbrella->b;
+    double unit = 65536.0 * 65535 * (moved ? 255 : 1) / (a * a + b * b);
+    double across = umbrella->mirrored ? -unit : unit, down = unit * 65536 / base->aspect;
+    units[0] = across * a;
+    units[1] = across * b;
+    units[2] = -down * b;
+    units[3] = down * a;
 }
 
 /* ---- buckets ---------------------------------------------------------------------------------------- */
@@ -107,11 +124,11 @@ static uint32_t find_sector(const zt__contour *c, const zt__bucket *buckets, dou
 }
 
 /* Sets all but the coverage. A direction next to a bucket's side may be rounded to the wrong one, and a morph may turn a vertex
- * far: the sector is then one of the next. */
+ * far: the sector is then one of the next. Without buckets (NULL) it is sought from the first one on. */
 static void enter_sector(zt__sector *s, const zt__bucket *buckets) {
     const zt__contour *c = &s->contour;
     bool at_centre = s->x == 0 && s->y == 0;
-    s->i = at_centre ? 0 : find_sector(c, buckets, s->x, s->y);
+    s->i = at_centre || !buckets ? 0 : find_sector(c, buckets, s->x, s->y);
     s->a = zt__contour_vertex(c, s->i);
     s->k = cross(s->a, s->x, s->y);
     for (uint32_t n = 0; s->k < 0 && n < c->count; n++) {
@@ -170,6 +187,16 @@ static double coverage_of(const zt__sector *s, double x, double y, const zt__pix
     return in_reaches > -1 ? (1 + in_reaches) / 2 : 0;
 }
 
+/* Section 3, but for the coverage. x, y: the point in cells. */
+static void find_point(zt__sector *s, const zt_umbrella_info *info, const zt_umbrella *umbrella, const zt__placed *p,
+                       const zt__bucket *buckets, double x, double y) {
+    s->placed = p;
+    s->contour = zt__contour_of(info, umbrella);
+    s->x = p->units[0] * x + p->units[1] * y;
+    s->y = p->units[2] * x + p->units[3] * y;
+    enter_sector(s, buckets);
+}
+
 double zt__umbrella_coverage(const zt__umbrellas *umbrellas, const zt__umbrella_scene *scene, uint32_t umbrella,
                              double x, double y, const zt__pixel *pixel, zt__sector *sector) {
     const zt__placed *p = &scene->placed[umbrella];
@@ -177,19 +204,26 @@ double zt__umbrella_coverage(const zt__umbrellas *umbrellas, const zt__umbrella_
     sector->coverage = 0;
     if (x * x + y * y > far * far)
         return 0;
-    sector->placed = p;
-    sector->contour = zt__contour_of(umbrellas, &umbrellas->view.umbrellas[umbrella]);
-    sector->x = p->units[0] * x + p->units[1] * y;
-    sector->y = p->units[2] * x + p->units[3] * y;
-    enter_sector(sector, scene->buckets + p->buckets);
+    const zt_umbrella_info *info = &umbrellas->view;
+    find_point(sector, info, &info->umbrellas[umbrella], p, scene->buckets + p->buckets, x, y);
     sector->coverage = coverage_of(sector, x, y, pixel);
     return sector->coverage;
+}
+
+void zt_umbrella_sector_at(const zt_umbrella_info *info, const zt_umbrella_level *level, const zt_umbrella *umbrella,
+                           double x, double y, const double pixel[4], zt_umbrella_sector *out) {
+    zt__pixel around = zt__pixel_of(pixel[0], pixel[1], pixel[2], pixel[3]);
+    zt__placed placed = {.x = 0};
+    zt__sector s;
+    zt__umbrella_units(info, umbrella, level->bits, placed.units);
+    find_point(&s, info, umbrella, &placed, NULL, x, y);
+    *out = (zt_umbrella_sector){s.i, s.j, s.g / s.area, s.k / s.area, coverage_of(&s, x, y, &around)};
 }
 
 double zt__umbrella_radius(const zt__umbrellas *umbrellas, const zt__umbrella_scene *scene, uint32_t umbrella) {
     const zt__placed *p = &scene->placed[umbrella];
     const zt_umbrella *u = &umbrellas->view.umbrellas[umbrella];
-    zt__contour c = zt__contour_of(umbrellas, u);
+    zt__contour c = zt__contour_of(&umbrellas->view, u);
     if (c.weight == 0)
         return p->radius;
     double stretch = (double)umbrellas->view.bases[u->base].aspect / 65536;

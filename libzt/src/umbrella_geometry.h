@@ -69,7 +69,7 @@ typedef struct zt__pixel {
 
 zt__pixel zt__pixel_of(double xx, double yx, double xy, double yy);
 
-zt__contour zt__contour_of(const zt__umbrellas *umbrellas, const zt_umbrella *umbrella);
+zt__contour zt__contour_of(const zt_umbrella_info *info, const zt_umbrella *umbrella);
 zt_umbrella_offset zt__contour_vertex(const zt__contour *contour, uint32_t i);
 /* The largest distance of a vertex, in units of x; y is stretched. */
 double zt__contour_radius(const zt__contour *contour, double stretch);
@@ -79,6 +79,9 @@ enum { ZT__MOST_BUCKETS = 32 };
 /* How many buckets the directions of so many vertices are cut into, a power of two, and the bucket of a direction. */
 uint32_t zt__bucket_count(uint32_t vertices);
 uint32_t zt__bucket_of(double x, double y, uint32_t count);
+
+/* From cells to units, as in zt__placed. bits: those of its level. */
+void zt__umbrella_units(const zt_umbrella_info *info, const zt_umbrella *umbrella, uint32_t bits, double units[4]);
 
 /* x, y: the point less the centre, in cells. umbrella: among all levels. Sets *sector, and returns its coverage. */
 double zt__umbrella_coverage(const zt__umbrellas *umbrellas, const zt__umbrella_scene *scene, uint32_t umbrella,

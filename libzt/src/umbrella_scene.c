@@ -85,36 +85,27 @@ static void make_base(making *m, uint32_t index) {
     out->buckets = make_buckets(m, &c, &moved);
 }
 
-/* Form 0: the way back from cells to the picture. */
 static void place_parametric(making *m, const zt_umbrella *u, zt__placed *out) {
     const zt__base_shape *shape = &m->scene->bases[u->base];
-    const zt_umbrella_base *base = &m->umbrellas->view.bases[u->base];
-    bool moved = base->first_morph != ZT_NONE && u->morph != 0;
-    double a = u->a, b = u->b, length2 = a * a + b * b, weight = moved ? u->morph / 255.0 : 0;
-    double unit = 65536.0 * 65535 * (moved ? 255 : 1) / length2;
-    double across = u->mirrored ? -unit : unit, down = unit * 65536 / base->aspect;
+    double a = u->a, b = u->b, weight = zt__contour_of(&m->umbrellas->view, u).weight / 255.0;
     double radius = (1 - weight) * shape->radius + weight * shape->morph_radius;
-    out->units[0] = across * a;
-    out->units[1] = across * b;
-    out->units[2] = -down * b;
-    out->units[3] = down * a;
-    out->radius = radius * sqrt(length2) / 65536;
+    out->radius = radius * sqrt(a * a + b * b) / 65536;
     out->buckets = shape->buckets;
 }
 
 static void place(making *m, const zt_umbrella_level *level, uint32_t index) {
-    const zt_umbrella *u = &m->umbrellas->view.umbrellas[index];
+    const zt_umbrella_info *info = &m->umbrellas->view;
+    const zt_umbrella *u = &info->umbrellas[index];
     zt__placed *out = &m->scene->placed[index];
     out->x = u->x / 65536.0;
     out->y = u->y / 65536.0;
+    zt__umbrella_units(info, u, level->bits, out->units);
     if (u->form == ZT_UMBRELLA_PARAMETRIC) {
         place_parametric(m, u, out);
         return;
     }
-    zt__contour c = zt__contour_of(m->umbrellas, u);
-    double unit = (double)(UINT32_C(1) << level->bits);
-    out->units[0] = out->units[3] = unit;
-    out->radius = zt__contour_radius(&c, 1) / unit;
+    zt__contour c = zt__contour_of(info, u);
+    out->radius = zt__contour_radius(&c, 1) / out->units[0];
     out->buckets = make_buckets(m, &c, NULL);
 }
 

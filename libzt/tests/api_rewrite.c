@@ -86,21 +86,8 @@ static void rewrite(const memory_sink *from, memory_sink *to) {
         zt_image_info info;
         uint32_t image;
         CHECK(zt_get_image(file, i, &info) == ZT_OK);
-        zt_image_desc desc = {.format = info.format,
-                              .width = info.width,
-                              .height = info.height,
-                              .depth = info.depth,
-                              .layers = info.layers,
-                              .levels = info.levels,
-                              .tile_edge = info.tile_edge,
-                              .alpha_mode = (zt_alpha)info.alpha_mode,
-                              .layer_kind = (zt_layer_kind)info.layer_kind,
-                              .primaries = info.primaries,
-                              .transfer = info.transfer,
-                              .given_levels = 1,
-                              .block_width = info.block_width,
-                              .block_height = info.block_height,
-                              .block_bytes = info.block_bytes};
+        zt_image_desc desc;
+        zt_describe_image(&info, &desc);
         CHECK(zt_writer_add_image(w, &desc, &diag, &image) == ZT_OK);
         for (uint32_t level = 0; level <= info.tail_level && level < info.levels; level++)
             copy_unit(w, file, i, level);

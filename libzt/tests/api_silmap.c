@@ -56,7 +56,7 @@ static void check_getters(const zt_file *file) {
 static void check_valid(const scene *s) {
     zt_check_summary summary;
     zt_diag diag;
-    scene_must(zt_check_memory(s->bytes.data, s->bytes.size, NULL, &diag, &summary), &diag);
+    must(zt_check_memory(s->bytes.data, s->bytes.size, NULL, &diag, &summary), &diag);
     CHECK(summary.errors == 0 && summary.warnings == 0 && summary.complete);
 }
 
@@ -75,14 +75,6 @@ static void check_back(void) {
 
 /* ---- extents ---- */
 
-static bool covers(const zt_extent *extents, size_t count, uint64_t offset, uint64_t size) {
-    for (size_t i = 0; i < count; i++) {
-        if (offset >= extents[i].offset && offset + size <= extents[i].offset + extents[i].size)
-            return true;
-    }
-    return false;
-}
-
 static void check_extents(void) {
     scene_setup large = setup; /* with levels outside of the mip tail */
     large.cells_x = 150;
@@ -93,7 +85,7 @@ static void check_extents(void) {
     zt_extent extents[64];
     size_t count;
     zt_diag diag;
-    scene_must(zt_query_extents(file, &request, extents, 64, &count, &diag), &diag);
+    must(zt_query_extents(file, &request, extents, 64, &count, &diag), &diag);
     for (uint32_t l = 0; l < setup.layer_count; l++) {
         const uint32_t images[2] = {s.images[l], s.minified[l]};
         for (int i = 0; i < 2; i++) {
@@ -203,7 +195,7 @@ static void check_refusals(void) {
     zt_diag diag;
     uint32_t index;
     uint64_t seed = 6;
-    scene_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     scene_fill(&s, w, &seed);
     size_t count = (size_t)setup.cells_x * setup.cells_y * setup.cell_layers;
     uint8_t *cells = malloc(count);
@@ -229,7 +221,7 @@ static void check_refusals(void) {
     empty.cells = NULL;
     CHECK(zt_writer_add_silmap(w, &texture, &empty, &diag, NULL) == ZT_BAD_ARGUMENT);
     /* A refusal harms nothing: the writer goes on. */
-    scene_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     s.bytes = bytes;
     check_valid(&s);
@@ -251,9 +243,9 @@ static scene recover(scene *damaged, zt_recover_report *report) {
     zt_io io = {&damaged->bytes, read_memory, damaged->bytes.size};
     zt_writer *w;
     zt_diag diag;
-    scene_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
-    scene_must(zt_recover(&io, w, NULL, &diag, report), &diag);
-    scene_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_recover(&io, w, NULL, &diag, report), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     return out;
 }

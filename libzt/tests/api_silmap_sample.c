@@ -219,7 +219,7 @@ static zt_sampler *open_sampler(const zt_file *file, uint32_t texture, zt_filter
     zt_sampler_options options = {.filter = filter, .layer = layer};
     zt_sampler *sampler;
     zt_diag diag;
-    scene_must(zt_sampler_open(file, texture, &options, &diag, &sampler), &diag);
+    must(zt_sampler_open(file, texture, &options, &diag, &sampler), &diag);
     return sampler;
 }
 
@@ -233,17 +233,17 @@ static void compare(const scene_setup *setup, zt_filter filter, uint32_t layer, 
     for (int i = 0; i < POINTS; i++)
         points[i] = random_point(setup, &seed);
     zt_sampler *sampler = open_sampler(file, 0, filter, layer);
-    scene_must(zt_sample(sampler, points, POINTS, got, &diag), &diag);
+    must(zt_sample(sampler, points, POINTS, got, &diag), &diag);
     zt_sampler *alone = setup->minified ? open_sampler(file, 1 + layer, filter, 0) : NULL;
     if (alone)
-        scene_must(zt_sample(alone, points, POINTS, minified, &diag), &diag);
+        must(zt_sample(alone, points, POINTS, minified, &diag), &diag);
     for (int i = 0; i < POINTS; i++) {
         float once[4];
         colour want = reference(&l, &points[i], minified + 4 * i);
         for (int c = 0; c < 4; c++)
             CHECK(fabs((double)got[4 * i + c] - want.c[c]) < 4e-6);
         /* Many points at once are as many calls. */
-        scene_must(zt_sample(sampler, &points[i], 1, once, &diag), &diag);
+        must(zt_sample(sampler, &points[i], 1, once, &diag), &diag);
         CHECK(memcmp(once, got + 4 * i, sizeof once) == 0);
     }
     zt_sampler_close(alone);
@@ -316,7 +316,7 @@ static void check_sliding(const zt_sampler *sampler, uint64_t *seed) {
         double step = hypot(du * plain.cells_x, dv * plain.cells_y) / STEPS;
         for (int i = 0; i < STEPS; i++)
             points[i] = box_at(u + du * i / STEPS, v + dv * i / STEPS, edges[k]);
-        scene_must(zt_sample(sampler, points, STEPS, out, &diag), &diag);
+        must(zt_sample(sampler, points, STEPS, out, &diag), &diag);
         /* Four: a box leaves a cell and crosses two arms at once, and the values inside change as well. */
         for (int i = 1; i < STEPS; i++)
             CHECK(distance(out + 4 * i, out + 4 * i - 4) < 4 * step * (1 / edges[k] + 2));
@@ -330,7 +330,7 @@ static void check_vanishing(const zt_sampler *sampler, uint64_t *seed) {
         double u = test_uniform(seed, 0, 1), v = test_uniform(seed, 0, 1);
         zt_point p[2] = {box_at(u, v, 1e-7), box_at(u, v, 0)};
         float out[8];
-        scene_must(zt_sample(sampler, p, 2, out, &diag), &diag);
+        must(zt_sample(sampler, p, 2, out, &diag), &diag);
         CHECK(distance(out, out + 4) < 1e-5);
     }
 }
@@ -344,7 +344,7 @@ static void check_no_pop(const zt_sampler *sampler, uint64_t *seed) {
         double u = test_uniform(seed, 0, 1), v = test_uniform(seed, 0.1, 0.9);
         for (int i = 0; i < STEPS; i++)
             points[i] = box_at(u, v, exp2(-4 + 8.0 * i / STEPS));
-        scene_must(zt_sample(sampler, points, STEPS, out, &diag), &diag);
+        must(zt_sample(sampler, points, STEPS, out, &diag), &diag);
         for (int i = 1; i < STEPS; i++)
             CHECK(distance(out + 4 * i, out + 4 * i - 4) < 0.02);
     }
@@ -379,7 +379,7 @@ static void check_uncut(void) {
         double x = p.u * setup.cells_x, y = p.v * setup.cells_y, fx = x - floor(x), fy = y - floor(y);
         long i = (long)floor(x), j = (long)floor(y);
         float out[4];
-        scene_must(zt_sample(sampler, &p, 1, out, &diag), &diag);
+        must(zt_sample(sampler, &p, 1, out, &diag), &diag);
         for (int c = 0; c < 4; c++) {
             double top = (1 - fx) * (double)sample_at(&s, 0, 0, i, j)[c] +
                          fx * (double)sample_at(&s, 0, 0, i + 1, j)[c];
@@ -403,29 +403,29 @@ static void check_shown(void) {
     zt_writer *w;
     zt_diag diag;
     uint64_t seed = 9;
-    scene_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     scene_fill(&s, w, &seed);
     uint32_t silmap = 0;
     zt_patch_desc patches[2] = {
         {.sources = s.images, .mask = ZT_NONE, .matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1}},
         {.shows_texture = 1, .sources = &silmap, .mask = ZT_NONE, .matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
     zt_texture_desc desc = {.name = "shows", .wrap_u = ZT_WRAP_CLAMP, .wrap_v = ZT_WRAP_CLAMP};
-    scene_must(zt_writer_add_zipmap(w, &desc, patches, 2, &diag, NULL), &diag);
-    scene_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_add_zipmap(w, &desc, patches, 2, &diag, NULL), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     zt_file *file = scene_open(&s);
     zt_sampler *shown = open_sampler(file, 1, ZT_FILTER_TRILINEAR, 0);
     zt_sampler_options alone = {.first_patch_only = 1};
     zt_sampler *root;
-    scene_must(zt_sampler_open(file, 1, &alone, &diag, &root), &diag);
+    must(zt_sampler_open(file, 1, &alone, &diag, &root), &diag);
     lookup l = {.s = &s, .clamped = true};
     const float none[4] = {0};
     for (int n = 0; n < 2000; n++) {
         float out[4], below[4];
         zt_point p = box_at(n % 2 ? n / 2 % 2 : test_uniform(&seed, 0, 1), test_uniform(&seed, 0, 1), n % 5 * 0.2);
         colour want = reference(&l, &p, none);
-        scene_must(zt_sample(shown, &p, 1, out, &diag), &diag);
-        scene_must(zt_sample(root, &p, 1, below, &diag), &diag);
+        must(zt_sample(shown, &p, 1, out, &diag), &diag);
+        must(zt_sample(root, &p, 1, below, &diag), &diag);
         for (int c = 0; c < 4; c++)
             CHECK(fabs((double)out[c] - (want.c[c] + (1 - want.c[3]) * (double)below[c])) < 4e-6);
     }

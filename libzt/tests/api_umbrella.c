@@ -31,13 +31,6 @@ static const heap_setup setups[2] = {{.grid_x = 9,
                                       .texture = ZT_NONE,
                                       .below = ZT_BACKGROUND_COLOUR}};
 
-static void must(zt_result result, const zt_diag *diag) {
-    if (result == ZT_OK)
-        return;
-    fprintf(stderr, "%s: rule %u: %s\n", zt_result_text(result), diag->rule, diag->text);
-    abort();
-}
-
 static zt_texture_desc desc_of(const heap_setup *t) {
     zt_texture_desc desc = {.wrap_u = t->repeat_x ? ZT_WRAP_REPEAT : ZT_WRAP_MIRROR,
                             .wrap_v = t->repeat_y ? ZT_WRAP_REPEAT : ZT_WRAP_BORDER};
@@ -125,13 +118,6 @@ static memory_sink make(bool garbled) {
     return bytes;
 }
 
-static zt_file *open_bytes(const memory_sink *bytes) {
-    zt_file *file;
-    zt_diag diag;
-    must(zt_open_memory(bytes->data, bytes->size, NULL, &diag, &file), &diag);
-    return file;
-}
-
 static void check_valid(const memory_sink *bytes) {
     zt_check_summary summary;
     zt_diag diag;
@@ -171,7 +157,7 @@ static void check_getters(const zt_file *file) {
 
 static void check_back(void) {
     memory_sink plain = make(false), garbled = make(true);
-    zt_file *file = open_bytes(&plain);
+    zt_file *file = memory_sink_open(&plain);
     check_valid(&plain);
     check_heap(file, 0, FIRST, PICTURE);
     check_heap(file, 1, SECOND, PICTURE);
@@ -184,18 +170,10 @@ static void check_back(void) {
 
 /* ---- extents ---- */
 
-static bool covers(const zt_extent *extents, size_t count, uint64_t offset, uint64_t size) {
-    for (size_t i = 0; i < count; i++) {
-        if (offset >= extents[i].offset && offset + size <= extents[i].offset + extents[i].size)
-            return true;
-    }
-    return false;
-}
-
 /* FIRST shows image 2, and image 1 through a texture; image 0 is nothing to it. */
 static void check_extents(void) {
     memory_sink bytes = make(false);
-    zt_file *file = open_bytes(&bytes);
+    zt_file *file = memory_sink_open(&bytes);
     zt_request request = {.texture = FIRST, .patch = ZT_NONE, .max_level = 30};
     zt_extent extents[64];
     size_t count;
@@ -471,7 +449,7 @@ static void check_refusals(void) {
     must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     check_valid(&bytes);
-    zt_file *file = open_bytes(&bytes);
+    zt_file *file = memory_sink_open(&bytes);
     check_heap(file, 0, FIRST, PICTURE);
     zt_close(file);
     heap_free(h);
@@ -501,7 +479,7 @@ static memory_sink recover(memory_sink *damaged, zt_recover_report *report) {
 }
 
 static void damage_first(memory_sink *bytes, const char *type) {
-    zt_file *file = open_bytes(bytes);
+    zt_file *file = memory_sink_open(bytes);
     zt_chunk_info chunk;
     uint32_t i = 0;
     while (zt_get_chunk(file, i, &chunk) == ZT_OK && strcmp(chunk.type, type) != 0)
@@ -513,7 +491,7 @@ static void damage_first(memory_sink *bytes, const char *type) {
 static void check_recovery(void) {
     zt_recover_report report;
     memory_sink whole = make(false), out = recover(&whole, &report);
-    zt_file *file = open_bytes(&out);
+    zt_file *file = memory_sink_open(&out);
     CHECK(report.complete && report.textures_kept == TEXTURES);
     check_heap(file, 0, FIRST, PICTURE);
     check_heap(file, 1, SECOND, PICTURE);
@@ -524,7 +502,7 @@ static void check_recovery(void) {
     memory_sink damaged = make(false);
     damage_first(&damaged, "UMBR");
     out = recover(&damaged, &report);
-    file = open_bytes(&out);
+    file = memory_sink_open(&out);
     CHECK(report.textures_lost == 1 && report.textures_kept == 3 && report.textures_rebuilt == 1);
     check_heap(file, 1, FIRST, PICTURE);
     zt_close(file);
@@ -535,7 +513,7 @@ static void check_recovery(void) {
     damaged = make(false);
     damage_first(&damaged, "ZPMP");
     out = recover(&damaged, &report);
-    file = open_bytes(&out);
+    file = memory_sink_open(&out);
     CHECK(report.textures_lost == 1 && report.textures_kept == 3);
     check_heap(file, 0, FIRST - 1, PICTURE - 1);
     check_heap(file, 1, SECOND - 1, PICTURE - 1);
@@ -546,7 +524,7 @@ static void check_recovery(void) {
     /* The directory is gone: the chunks are found by their heads. */
     whole.data[70] ^= 1;
     out = recover(&whole, &report);
-    file = open_bytes(&out);
+    file = memory_sink_open(&out);
     CHECK(!report.directory_intact && report.textures_kept == TEXTURES);
     check_heap(file, 0, FIRST, PICTURE);
     check_heap(file, 1, SECOND, PICTURE);
@@ -558,7 +536,7 @@ static void check_recovery(void) {
 /* A lost tile of a base's picture covers nothing: made-up leaves would hide what lies beneath. */
 static void check_lost_tile(void) {
     memory_sink bytes = make(false);
-    zt_file *file = open_bytes(&bytes);
+    zt_file *file = memory_sink_open(&bytes);
     zt_recover_report report;
     zt_tile_info tile;
     zt_diag diag;
@@ -567,7 +545,7 @@ static void check_lost_tile(void) {
     bytes.data[tile.offset + tile.stored_size / 2] ^= 0x55;
     zt_close(file);
     memory_sink out = recover(&bytes, &report);
-    file = open_bytes(&out);
+    file = memory_sink_open(&out);
     CHECK(report.tiles_replaced == 1 && report.textures_kept == TEXTURES);
     must(zt_decode_tile(file, 2, 0, 0, texels, sizeof texels, &diag), &diag);
     for (size_t i = 0; i < sizeof texels; i++)

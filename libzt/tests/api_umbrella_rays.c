@@ -311,14 +311,14 @@ static void compare(const stage_setup *setup, const zt_sampler_options *options,
     zt_diag diag;
     for (int i = 0; i < RAYS; i++)
         rays[i] = random_ray(setup, &r.info, &seed);
-    stage_must(zt_sample_rays(sampler, rays, RAYS, got, &diag), &diag);
+    must(zt_sample_rays(sampler, rays, RAYS, got, &diag), &diag);
     for (int i = 0; i < RAYS; i++) {
         zt_hit want = reference_ray(&r, &rays[i]), once;
         CHECK(same_hit(&got[i], &want));
-        stage_must(zt_sample_rays(sampler, &rays[i], 1, &once, &diag), &diag);
+        must(zt_sample_rays(sampler, &rays[i], 1, &once, &diag), &diag);
         CHECK(memcmp(&once, &got[i], sizeof once) == 0);
         /* The filter is one of lookups in 2-D. */
-        stage_must(zt_sample_rays(other, &rays[i], 1, &once, &diag), &diag);
+        must(zt_sample_rays(other, &rays[i], 1, &once, &diag), &diag);
         CHECK(memcmp(&once, &got[i], sizeof once) == 0);
         kinds[got[i].kind]++;
     }
@@ -410,10 +410,10 @@ static stage one_dome(zt_umbrella_ellipsoid kind, uint16_t height, uint16_t curv
                              .entries = entries};
     for (uint32_t i = 0; i < 16; i++)
         entries[i] = 4U << ZT_UMBRELLA_SHIFT; /* not shifted */
-    stage_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     stage_image(w, 4, true, &seed);
-    stage_must(zt_writer_add_umbrellas(w, &desc, &info, &diag, NULL), &diag);
-    stage_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_add_umbrellas(w, &desc, &info, &diag, NULL), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     return s;
 }
@@ -421,7 +421,7 @@ static stage one_dome(zt_umbrella_ellipsoid kind, uint16_t height, uint16_t curv
 static zt_hit ray_at(const zt_sampler *sampler, const zt_ray *ray) {
     zt_hit hit;
     zt_diag diag;
-    stage_must(zt_sample_rays(sampler, ray, 1, &hit, &diag), &diag);
+    must(zt_sample_rays(sampler, ray, 1, &hit, &diag), &diag);
     return hit;
 }
 
@@ -516,7 +516,7 @@ static void check_straight_down(void) {
         ray.u1 = ray.u0;
         ray.v1 = ray.v0;
         zt_hit hit = ray_at(sampler, &ray);
-        stage_must(zt_sample(sampler, &p, 1, rgba, &diag), &diag);
+        must(zt_sample(sampler, &p, 1, rgba, &diag), &diag);
         CHECK(hit.kind == ZT_HIT_UMBRELLA || hit.kind == ZT_HIT_BACKGROUND);
         CHECK(hit.t == 1 && hit.normal[2] == 1);
         for (int c = 0; c < 4; c++)
@@ -545,7 +545,7 @@ static void check_tapered(void) {
         float rgba[4];
         zt_diag diag;
         zt_hit hit = ray_at(sampler, &ray);
-        stage_must(zt_sample(sampler, &p, 1, rgba, &diag), &diag);
+        must(zt_sample(sampler, &p, 1, rgba, &diag), &diag);
         CHECK(hit.kind == ZT_HIT_FLAT && memcmp(rgba, hit.rgba, sizeof rgba) == 0);
         ray.z1 = 1e-30;
         hit = ray_at(sampler, &ray);

@@ -33,7 +33,7 @@ static void compare(const stage_setup *setup, const zt_sampler_options *options,
     zt_diag diag;
     for (int i = 0; i < POINTS; i++)
         points[i] = random_point(setup, &seed);
-    stage_must(zt_sample(sampler, points, POINTS, got, &diag), &diag);
+    must(zt_sample(sampler, points, POINTS, got, &diag), &diag);
     for (int i = 0; i < POINTS; i++) {
         double want[4];
         float once[4];
@@ -41,7 +41,7 @@ static void compare(const stage_setup *setup, const zt_sampler_options *options,
         for (int c = 0; c < 4; c++)
             CHECK(fabs((double)got[4 * i + c] - want[c]) < 2e-6);
         /* Many points at once are as many calls. */
-        stage_must(zt_sample(sampler, &points[i], 1, once, &diag), &diag);
+        must(zt_sample(sampler, &points[i], 1, once, &diag), &diag);
         CHECK(memcmp(once, got + 4 * i, sizeof once) == 0);
     }
     reference_close(&r);

@@ -10,7 +10,7 @@ enum { STEPS = 2000 };
 
 static void look_up(const zt_sampler *sampler, const zt_point *p, float rgba[4]) {
     zt_diag diag;
-    stage_must(zt_sample(sampler, p, 1, rgba, &diag), &diag);
+    must(zt_sample(sampler, p, 1, rgba, &diag), &diag);
 }
 
 static double difference(const float a[4], const float b[4]) {
@@ -164,16 +164,16 @@ static stage make_nested(uint64_t seed) {
     zt_texture_desc clamped = desc;
     zt_diag diag;
     clamped.wrap_u = clamped.wrap_v = ZT_WRAP_CLAMP;
-    stage_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     stage_write(&s, w, &seed);
-    stage_must(zt_writer_add_zipmap(w, &clamped, patches, 2, &diag, NULL), &diag);
+    must(zt_writer_add_zipmap(w, &clamped, patches, 2, &diag, NULL), &diag);
     for (uint32_t i = 0; i < STAGE_BASES; i++) {
         s.bases[i].shows_texture = 1;
         s.bases[i].source = PATCH;
     }
     s.info.background_source = PATCH;
-    stage_must(zt_writer_add_umbrellas(w, &desc, &s.info, &diag, NULL), &diag);
-    stage_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_add_umbrellas(w, &desc, &s.info, &diag, NULL), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     return s;
 }
@@ -248,7 +248,7 @@ static void check_limits(const stage *s) {
         zt_file *file;
         zt_sampler *sampler;
         zt_diag diag;
-        stage_must(zt_open_memory(s->bytes.data, s->bytes.size, &options, &diag, &file), &diag);
+        must(zt_open_memory(s->bytes.data, s->bytes.size, &options, &diag, &file), &diag);
         zt_result result = zt_sampler_open(file, NESTED, NULL, &diag, &sampler);
         CHECK(result == (depth < 3 ? ZT_LIMIT : ZT_OK) && (result == ZT_OK || diag.rule == 1011));
         zt_sampler_close(sampler);
@@ -260,7 +260,7 @@ static void check_limits(const stage *s) {
     zt_diag diag;
     float rgba[4];
     int refused = 0;
-    stage_must(zt_open_memory(s->bytes.data, s->bytes.size, &options, &diag, &file), &diag);
+    must(zt_open_memory(s->bytes.data, s->bytes.size, &options, &diag, &file), &diag);
     zt_sampler *sampler = stage_sampler(file, NESTED, NULL);
     for (int i = 0; i < 20; i++) {
         p.u = i / 20.0;

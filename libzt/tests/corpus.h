@@ -51,6 +51,15 @@ static inline void blob_free(blob b) {
     free(b.data);
 }
 
+/* Is all of this in one of the extents? */
+static inline bool covers(const zt_extent *extents, size_t count, uint64_t offset, uint64_t size) {
+    for (size_t i = 0; i < count; i++) {
+        if (offset >= extents[i].offset && offset + size <= extents[i].offset + extents[i].size)
+            return true;
+    }
+    return false;
+}
+
 /* ---- manifests: one entry a line ---- */
 
 /* The text behind "key": in a line, or NULL. */

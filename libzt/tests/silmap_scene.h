@@ -32,13 +32,6 @@ typedef struct scene {
     memory_sink bytes;
 } scene;
 
-static inline void scene_must(zt_result result, const zt_diag *diag) {
-    if (result == ZT_OK)
-        return;
-    fprintf(stderr, "%s: rule %u: %s\n", zt_result_text(result), diag->rule, diag->text);
-    abort();
-}
-
 static inline uint32_t scene_format(const scene *s, uint32_t layer) {
     return layer == 0 ? s->setup.format : (uint32_t)RGB8;
 }
@@ -74,8 +67,8 @@ static inline uint32_t scene_put(zt_writer *w, const zt_image_desc *desc, uint64
             linear[4 * i + (size_t)c] = c < 3 && desc->alpha_mode == ZT_ALPHA_STRAIGHT ? v * values[4 * i + 3] : v;
         }
     }
-    scene_must(zt_writer_add_image(w, desc, &diag, &image), &diag);
-    scene_must(zt_writer_put_rows(w, image, texels, desc->height * desc->layers, 0, &diag), &diag);
+    must(zt_writer_add_image(w, desc, &diag, &image), &diag);
+    must(zt_writer_put_rows(w, image, texels, desc->height * desc->layers, 0, &diag), &diag);
     free(values);
     free(texels);
     return image;
@@ -162,13 +155,13 @@ static inline void scene_fill(scene *s, zt_writer *w, uint64_t *seed) {
     scene_images(s, w, seed);
     zt_texture_desc texture = scene_texture(s, scene_layers);
     zt_silmap_desc silmap = scene_silmap(s);
-    scene_must(zt_writer_add_silmap(w, &texture, &silmap, &diag, NULL), &diag);
+    must(zt_writer_add_silmap(w, &texture, &silmap, &diag, NULL), &diag);
     scene_tidy(s);
     for (uint32_t l = 0; l < t->layer_count && t->minified; l++) {
         zt_layer_desc one = {ZT_SEMANTIC_UNSPECIFIED, s->minified[l]};
         texture.layers = &one;
         texture.layer_count = 1;
-        scene_must(zt_writer_add_texture(w, &texture, &diag, NULL), &diag);
+        must(zt_writer_add_texture(w, &texture, &diag, NULL), &diag);
     }
 }
 
@@ -177,18 +170,15 @@ static inline scene scene_make(const scene_setup *setup, uint64_t seed) {
     zt_sink sink = memory_sink_of(&s.bytes);
     zt_writer *w;
     zt_diag diag;
-    scene_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     scene_fill(&s, w, &seed);
-    scene_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     return s;
 }
 
 static inline zt_file *scene_open(const scene *s) {
-    zt_file *file;
-    zt_diag diag;
-    scene_must(zt_open_memory(s->bytes.data, s->bytes.size, NULL, &diag, &file), &diag);
-    return file;
+    return memory_sink_open(&s->bytes);
 }
 
 static inline void scene_free(scene *s) {

@@ -11,8 +11,8 @@
 
 #include "base_bytes.h"
 #include "test.h"
+#include "write_sink.h"
 #include "zt/zt.h"
-#include "zt/zt_write.h"
 
 enum { MAX_IMAGES = 64, MAX_PATCHES = 40, MAX_TEXTURES = 4 };
 
@@ -36,35 +36,16 @@ typedef struct texture {
 
 typedef struct scene {
     zt_writer *writer;
-    uint8_t *bytes;
-    size_t size, capacity;
+    memory_sink bytes;
     uint32_t image_count, texture_count;
     image images[MAX_IMAGES];
     texture textures[MAX_TEXTURES];
     zt_file *file;
 } scene;
 
-static zt_result take_bytes(void *user, const void *data, size_t size) {
-    scene *s = user;
-    if (s->size + size > s->capacity) {
-        s->capacity = 2 * (s->size + size);
-        s->bytes = realloc(s->bytes, s->capacity);
-    }
-    memcpy(s->bytes + s->size, data, size);
-    s->size += size;
-    return ZT_OK;
-}
-
-static void must(zt_result result, const zt_diag *diag) {
-    if (result == ZT_OK)
-        return;
-    fprintf(stderr, "%s: rule %u: %s: %s\n", zt_result_text(result), diag->rule, diag->path, diag->text);
-    exit(1);
-}
-
 static scene *scene_begin(void) {
     scene *s = calloc(1, sizeof *s);
-    zt_sink sink = {s, take_bytes};
+    zt_sink sink = memory_sink_of(&s->bytes);
     zt_writer_options options = {.effort = 1};
     zt_diag diag = {0};
     must(zt_writer_open_sink(&sink, &options, &diag, &s->writer), &diag);
@@ -80,7 +61,7 @@ static void scene_open(scene *s, const zt_limits *limits) {
         s->writer = NULL;
     }
     zt_close(s->file);
-    must(zt_open_memory(s->bytes, s->size, &options, &diag, &s->file), &diag);
+    must(zt_open_memory(s->bytes.data, s->bytes.size, &options, &diag, &s->file), &diag);
 }
 
 static void scene_end(scene *s) {
@@ -89,7 +70,7 @@ static void scene_end(scene *s) {
         for (uint32_t k = 0; k < s->images[i].levels; k++)
             free(s->images[i].level[k]);
     }
-    free(s->bytes);
+    free(s->bytes.data);
     free(s);
 }
 

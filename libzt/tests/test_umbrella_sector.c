@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Property: for every star polygon that the format allows, also with vertices at its limits and with any weight of a morph, the
- * search finds the sector that a loop over all finds, the point is where its barycentric coordinates say, and no point that
- * has coverage is taken for far away. A wrong sector is a hole in a leaf.
+ * search finds the sector that a loop over all finds, the point is where its barycentric coordinates say, no point that
+ * has coverage is taken for far away, and the public call, which prepares nothing, gives the same numbers. A wrong sector is a
+ * hole in a leaf.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -80,18 +81,22 @@ static uint32_t slow_sector(const zt__contour *c, double x, double y, uint32_t *
 
 static void check_query(const single *s, const zt__umbrella_scene *scene, double x, double y, double reach) {
     const zt__placed *p = &scene->placed[0];
-    zt__contour c = zt__contour_of(&s->umbrellas, &s->umbrella);
-    zt__pixel pixel = zt__pixel_of(reach, 0, 0, reach);
+    zt__contour c = zt__contour_of(&s->umbrellas.view, &s->umbrella);
+    const double step[4] = {reach, -reach / 3, reach / 4, reach / 2};
+    zt__pixel pixel = zt__pixel_of(step[0], step[1], step[2], step[3]);
     zt__sector sector = {0};
     uint32_t times;
     double coverage = zt__umbrella_coverage(&s->umbrellas, scene, 0, x, y, &pixel, &sector);
     double ux = p->units[0] * x + p->units[1] * y, uy = p->units[2] * x + p->units[3] * y;
     uint32_t i = slow_sector(&c, ux, uy, &times);
+    zt_umbrella_sector same;
+    zt_umbrella_sector_at(&s->umbrellas.view, &s->level, &s->umbrella, x, y, step, &same);
     zt_umbrella_offset a = zt__contour_vertex(&c, i), b = zt__contour_vertex(&c, (i + 1U) % c.count);
     double ex = (double)b.x - (double)a.x, ey = (double)b.y - (double)a.y;
     double inside = ex * (uy - a.y) - ey * (ux - a.x);
     if (ux == 0 && uy == 0) {
         CHECK(coverage == 1 && sector.i == 0);
+        CHECK(same.coverage == 1 && same.i == 0 && same.g == 0 && same.k == 0);
         return;
     }
     CHECK(coverage >= 0 && coverage <= 1);
@@ -100,12 +105,14 @@ static void check_query(const single *s, const zt__umbrella_scene *scene, double
         CHECK(coverage == 0 || (isfinite(sector.g / sector.area) && isfinite(sector.k / sector.area)));
         return;
     }
+    CHECK(same.coverage == coverage);
     if (reach == 0)
         CHECK(coverage == (inside >= 0 ? 1 : 0));
     else
         CHECK(inside >= 0 ? coverage >= 0.5 : coverage <= 0.5);
     if (coverage == 0)
         return;
+    CHECK(same.i == i && same.j == sector.j && same.g == sector.g / sector.area && same.k == sector.k / sector.area);
     CHECK(sector.i == i && sector.j == (i + 1U) % c.count);
     CHECK(sector.area >= 1 && sector.g > 0 && sector.k >= 0);
     double g = sector.g / sector.area, k = sector.k / sector.area, size = fabs(ux) + fabs(uy);
@@ -117,7 +124,7 @@ static void check_query(const single *s, const zt__umbrella_scene *scene, double
 /* The buckets alone leave only sectors next to the right one; else the search would have to be put right vertex by vertex. */
 static void check_buckets(const single *s, const zt__umbrella_scene *scene, double x, double y) {
     const zt__placed *p = &scene->placed[0];
-    zt__contour c = zt__contour_of(&s->umbrellas, &s->umbrella);
+    zt__contour c = zt__contour_of(&s->umbrellas.view, &s->umbrella);
     double ux = p->units[0] * x + p->units[1] * y, uy = p->units[2] * x + p->units[3] * y;
     const zt__bucket *buckets = scene->buckets + p->buckets;
     const zt__bucket *b = &buckets[1 + zt__bucket_of(ux, uy, zt__bucket_count(c.count))];
@@ -132,7 +139,7 @@ static void check_buckets(const single *s, const zt__umbrella_scene *scene, doub
 
 static void query(const single *s, const zt__umbrella_scene *scene, uint64_t *seed) {
     const zt__placed *p = &scene->placed[0];
-    zt__contour c = zt__contour_of(&s->umbrellas, &s->umbrella);
+    zt__contour c = zt__contour_of(&s->umbrellas.view, &s->umbrella);
     const double *m = p->units;
     double determinant = m[0] * m[3] - m[1] * m[2];
     for (int n = 0; n < QUERIES; n++) {

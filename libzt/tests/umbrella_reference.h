@@ -156,7 +156,7 @@ static inline double mean_offset(const zt_umbrella_info *n, const zt_umbrella *u
 static inline void look(zt_sampler *sampler, const zt_point *p, double rgba[4]) {
     float out[4];
     zt_diag diag;
-    stage_must(zt_sample(sampler, p, 1, out, &diag), &diag);
+    must(zt_sample(sampler, p, 1, out, &diag), &diag);
     for (int c = 0; c < 4; c++)
         rgba[c] = (double)out[c];
 }

@@ -53,13 +53,6 @@ typedef struct stage {
     memory_sink bytes;
 } stage;
 
-static inline void stage_must(zt_result result, const zt_diag *diag) {
-    if (result == ZT_OK)
-        return;
-    fprintf(stderr, "%s: rule %u: %s\n", zt_result_text(result), diag->rule, diag->text);
-    abort();
-}
-
 static inline void *stage_array(size_t count, size_t size) {
     void *p = calloc(count + 1, size);
     assert(p);
@@ -223,8 +216,8 @@ static inline uint32_t stage_image(zt_writer *w, uint32_t edge, bool opaque, uin
     zt_diag diag;
     for (size_t i = 0; i < (size_t)edge * edge * 4; i++)
         texels[i] = opaque && i % 4 == 3 ? 255 : (uint8_t)(test_random(seed) >> 40);
-    stage_must(zt_writer_add_image(w, &desc, &diag, &image), &diag);
-    stage_must(zt_writer_put_rows(w, image, texels, edge, 0, &diag), &diag);
+    must(zt_writer_add_image(w, &desc, &diag, &image), &diag);
+    must(zt_writer_put_rows(w, image, texels, edge, 0, &diag), &diag);
     free(texels);
     return image;
 }
@@ -233,7 +226,7 @@ static inline void stage_texture(zt_writer *w, uint32_t image, zt_wrap wrap_u, z
     zt_layer_desc layer = {ZT_SEMANTIC_BASE_COLOUR, image};
     zt_texture_desc desc = {.wrap_u = wrap_u, .wrap_v = wrap_v, .layers = &layer, .layer_count = 1};
     zt_diag diag;
-    stage_must(zt_writer_add_texture(w, &desc, &diag, NULL), &diag);
+    must(zt_writer_add_texture(w, &desc, &diag, NULL), &diag);
 }
 
 static inline void stage_allocate(stage *s) {
@@ -299,7 +292,7 @@ static inline void stage_write(stage *s, zt_writer *w, uint64_t *seed) {
     stage_texture(w, s->images[STAGE_BELOW], ZT_WRAP_CLAMP, ZT_WRAP_CLAMP);
     stage_allocate(s);
     stage_fill(s, seed);
-    stage_must(zt_writer_add_umbrellas(w, &desc, &s->info, &diag, NULL), &diag);
+    must(zt_writer_add_umbrellas(w, &desc, &s->info, &diag, NULL), &diag);
 }
 
 static inline stage stage_make(const stage_setup *setup, uint64_t seed) {
@@ -307,24 +300,21 @@ static inline stage stage_make(const stage_setup *setup, uint64_t seed) {
     zt_sink sink = memory_sink_of(&s.bytes);
     zt_writer *w;
     zt_diag diag;
-    stage_must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
+    must(zt_writer_open_sink(&sink, NULL, &diag, &w), &diag);
     stage_write(&s, w, &seed);
-    stage_must(zt_writer_finish(w, &diag), &diag);
+    must(zt_writer_finish(w, &diag), &diag);
     zt_writer_close(w);
     return s;
 }
 
 static inline zt_file *stage_open(const stage *s) {
-    zt_file *file;
-    zt_diag diag;
-    stage_must(zt_open_memory(s->bytes.data, s->bytes.size, NULL, &diag, &file), &diag);
-    return file;
+    return memory_sink_open(&s->bytes);
 }
 
 static inline zt_sampler *stage_sampler(const zt_file *file, uint32_t texture, const zt_sampler_options *options) {
     zt_sampler *sampler;
     zt_diag diag;
-    stage_must(zt_sampler_open(file, texture, options, &diag, &sampler), &diag);
+    must(zt_sampler_open(file, texture, options, &diag, &sampler), &diag);
     return sampler;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A zt_sink into memory, which can be told to fail. */
+/* Files that a test makes: a zt_sink into memory, which can be told to fail, and the way back. */
 #ifndef ZT_TESTS_WRITE_SINK_H
 #define ZT_TESTS_WRITE_SINK_H
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,6 +36,21 @@ static inline zt_sink memory_sink_of(memory_sink *s) {
     memset(s, 0, sizeof *s);
     s->fail_at = -1;
     return sink;
+}
+
+/* For what comes before the test: ends the program where it fails. */
+static inline void must(zt_result result, const zt_diag *diag) {
+    if (result == ZT_OK)
+        return;
+    fprintf(stderr, "%s: rule %u: %s: %s\n", zt_result_text(result), diag->rule, diag->path, diag->text);
+    abort();
+}
+
+static inline zt_file *memory_sink_open(const memory_sink *s) {
+    zt_file *file;
+    zt_diag diag;
+    must(zt_open_memory(s->data, s->size, NULL, &diag, &file), &diag);
+    return file;
 }
 
 #endif

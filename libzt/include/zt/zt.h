@@ -476,6 +476,20 @@ typedef struct zt_umbrella_info {
 /* Errors: ZT_BAD_ARGUMENT (also for other kinds). */
 ZT_API zt_result zt_get_umbrellas(const zt_file *file, uint32_t texture, zt_umbrella_info *out);
 
+/* A point in an umbrella. */
+typedef struct zt_umbrella_sector {
+    uint32_t i, j;   /* the vertices of its sector; form 0: numbers among those of the base */
+    double g, k;     /* its barycentric coordinates for them; 1 - g - k for the centre */
+    double coverage; /* 0 to 1 */
+} zt_umbrella_sector;
+
+/* Sector, coverage and barycentric coordinates (umbrella.md section 3, steps 1 to 3) of the point (x, y) less the umbrella's
+ * centre. pixel: the derivatives of x and y for one step to the right in the target, then for one step down. All in cells of the
+ * level, and finite. Of info only bases and vertices are looked at; they and the umbrella keep the rules, as those of files do. */
+ZT_API void zt_umbrella_sector_at(const zt_umbrella_info *info, const zt_umbrella_level *level,
+                                  const zt_umbrella *umbrella, double x, double y, const double pixel[4],
+                                  zt_umbrella_sector *out);
+
 /* Metadata. zt_load_metadata reads the META chunk on first use (any thread) and gives the number of pairs; 0 without
  * META. Keys are sorted by bytes. Key and value are UTF-8 and NUL-terminated. */
 ZT_API zt_result zt_load_metadata(const zt_file *file, uint32_t *count, zt_diag *diag);

@@ -106,6 +106,9 @@ typedef struct zt_image_desc {
     uint8_t zero_border;
 } zt_image_desc;
 
+/* That of an image like this one, each level of which will be given: for copies. */
+ZT_API void zt_describe_image(const zt_image_info *info, zt_image_desc *out);
+
 /* The usual tile edge is 256, for block formats 64. With tile_edge 0 and effort 9 libzt tries that, twice that and one
  * tile of the whole level, and keeps what makes level 0 smallest: so that a region of it may then mean decoding all of
  * it. For that it holds level 0, with all layers and slices. It does so only where this takes at most 16 MiB and at
