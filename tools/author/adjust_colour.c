@@ -10,7 +10,8 @@
  * about what the eye sees, roots of light: what is nothing on a bright edge would be a strong cast where the patch is dark.
  *
  * Where the patch is clipped, its own light is lost and neither gain nor gradient knows it. There the difference goes to the clipped texels
- * themselves, so that they are, on the whole, as light as the ground.
+ * themselves, so that they are, on the whole, as light as the ground. Where the ground is clipped, a lighter patch agrees with it: the
+ * difference is what the ground's camera cut off, and would be a cast beside it.
  */
 #include "adjust_grid.h"
 #include "zipmap_private.h"
@@ -32,6 +33,7 @@
 #define MISPLACED 0.25f /* cells by which edges seem to lie elsewhere, for they are not equally sharp */
 #define NO_OFFSET 0.05  /* how much is to be said against an offset, which is only seen where it is dark */
 #define CLIPPED 0.05f   /* of a cell: from here on it says nothing about the rest */
+#define CUT 0.1f        /* of a cell of the ground: from here on a lighter patch is as light as it should be */
 #define MOST_LOST 2.0f  /* of light that clipping may have taken */
 #define MOST_GAINED 0.5f
 
@@ -282,6 +284,11 @@ static void smooth_ring(const float *ring, float *out, size_t length) {
 
 enum { PATCH, GROUND, WEIGHT, SUMS };
 
+/* Light of the patch, without what the ground's camera would have cut off. */
+static float comparable(float value, float ground, float cut) {
+    return value - fminf(cut / CUT, 1.0f) * fmaxf(value - ground, 0.0f);
+}
+
 /* Light of the cells behind the i-th of the ring, of patch and ground, times their weights: cells of plain colour know best. */
 static void look_behind(const author_grid *g, uint32_t channel, const fit *f, size_t i, float *const sums[SUMS]) {
     for (size_t depth = INSET; depth < INSET + DEPTHS; depth++) {
@@ -291,7 +298,7 @@ static void look_behind(const author_grid *g, uint32_t channel, const fit *f, si
         float ground = g->ground[channel][cell];
         float busy = MISPLACED * g->change[channel][cell] / (2.0f * root_of(ground));
         float w = ROOT_ACCURATE * ROOT_ACCURATE / (ROOT_ACCURATE * ROOT_ACCURATE + busy * busy);
-        sums[PATCH][i] += w * fmaxf(cell_value(g, f, channel, cell), 0.0f);
+        sums[PATCH][i] += w * comparable(fmaxf(cell_value(g, f, channel, cell), 0.0f), ground, g->cut[channel][cell]);
         sums[GROUND][i] += w * fmaxf(ground, 0.0f);
         sums[WEIGHT][i] += w;
     }

@@ -34,6 +34,7 @@ void adjust_grid_release(author_grid *grid) {
         free(grid->ground[c]);
         free(grid->change[c]);
         free(grid->clipped[c]);
+        free(grid->cut[c]);
     }
     free(grid->valid);
     *grid = (author_grid){0};
@@ -135,18 +136,22 @@ static int is_inside(const double at[2]) {
 static void look_up(const filling *f, size_t cell, double x, double y, uint32_t probes) {
     const author_grid *g = f->grid;
     const author_picture *picture = f->ground->picture;
-    float sum[4] = {0}, value[4];
+    float sum[4] = {0}, cut[4] = {0}, value[4];
     double at[2];
     for (uint32_t p = 0; p < probes * probes; p++) {
         double px = (x + (p % probes + 0.5) / probes) / g->width, py = (y + (p / probes + 0.5) / probes) / g->height;
         if (adjust_apply(f->back, px, py, at) || !is_inside(at))
             return;
         adjust_sample(picture, at[0] * picture->width, at[1] * picture->height, value);
-        for (uint32_t c = 0; c < g->channels; c++)
+        for (uint32_t c = 0; c < g->channels; c++) {
             sum[c] += value[c];
+            cut[c] += adjust_clipping(value[c]);
+        }
     }
-    for (uint32_t c = 0; c < g->channels; c++)
+    for (uint32_t c = 0; c < g->channels; c++) {
         g->ground[c][cell] = sum[c] / (float)(probes * probes);
+        g->cut[c][cell] = cut[c] / (float)(probes * probes);
+    }
     f->from_here[cell] = 1;
 }
 
@@ -200,9 +205,9 @@ static author_result smooth_all(author_run *run, filling *f) {
         return AUTHOR_NO_MEMORY;
     for (size_t i = 0; i < cells; i++)
         f->weight[i] = f->from_here[i] ? f->weight[i] : 0.0f;
-    for (uint32_t k = 0; k < 3 * g->channels; k++) {
-        float *const planes[3] = {g->patch[k / 3], g->ground[k / 3], g->clipped[k / 3]};
-        float *plane = planes[k % 3];
+    for (uint32_t k = 0; k < 4 * g->channels; k++) {
+        float *const planes[4] = {g->patch[k / 4], g->ground[k / 4], g->clipped[k / 4], g->cut[k / 4]};
+        float *plane = planes[k % 4];
         for (size_t i = 0; i < cells; i++)
             plane[i] *= f->weight[i];
         smooth(g, plane, scratch);
@@ -215,6 +220,7 @@ static author_result smooth_all(author_run *run, filling *f) {
             g->patch[c][i] /= f->weight[i];
             g->ground[c][i] /= f->weight[i];
             g->clipped[c][i] /= f->weight[i];
+            g->cut[c][i] /= f->weight[i];
         }
     }
     g->covered = (double)valid / (double)cells;
@@ -274,6 +280,7 @@ static author_result allocate(author_run *run, author_grid *g) {
         made = made && (g->ground[c] = author_alloc(run, cells, sizeof(float))) != NULL;
         made = made && (g->change[c] = author_alloc(run, cells, sizeof(float))) != NULL;
         made = made && (g->clipped[c] = author_alloc(run, cells, sizeof(float))) != NULL;
+        made = made && (g->cut[c] = author_alloc(run, cells, sizeof(float))) != NULL;
     }
     return made ? AUTHOR_OK : AUTHOR_NO_MEMORY;
 }
@@ -286,8 +293,10 @@ static void forget_clipping(author_grid *g, const author_picture *patch) {
     for (size_t i = 0; i < texels; i++)
         for (uint32_t c = 0; c < g->channels; c++)
             most = fmaxf(most, patch->texels[i * channels + c]);
-    for (uint32_t c = 0; c < g->channels && most > 1.01f; c++)
+    for (uint32_t c = 0; c < g->channels && most > 1.01f; c++) {
         memset(g->clipped[c], 0, (size_t)g->width * g->height * sizeof(float));
+        memset(g->cut[c], 0, (size_t)g->width * g->height * sizeof(float));
+    }
     g->bounded = most <= 1.01f;
 }
 

@@ -16,7 +16,7 @@ typedef struct author_grid {
     uint32_t width, height, channels; /* colours: 1 or 3 */
     float *patch[3], *ground[3];      /* means of the cells, low-passed */
     float *change[3];                 /* of the ground from a cell to the next, the most of it around */
-    float *clipped[3];                /* share of the patch that is, low-passed; 0 where it is not bounded */
+    float *clipped[3], *cut[3];       /* shares of patch and ground that are clipped, low-passed; 0 where not bounded */
     int bounded;                      /* the patch's values end at 1 */
     uint8_t *valid;                   /* 1: both are known */
     double covered;                   /* share of the cells that are valid */

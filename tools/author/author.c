@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define SLICES 64 /* of a loop, between which progress is reported */
+#define QUEUE 4   /* tasks of a worker in a slice, at least: at its end workers wait for each other */
 
 author_result author_fail(author_run *run, author_result result, const char *format, ...) {
     va_list list;
@@ -96,8 +97,8 @@ author_result author_for(author_run *run, const char *stage, size_t count, autho
     if (!errors)
         return AUTHOR_NO_MEMORY;
     size_t step = count / SLICES + 1;
-    if (step < author_workers(run))
-        step = author_workers(run);
+    if (run->parallel && step < QUEUE * (size_t)author_workers(run))
+        step = QUEUE * (size_t)author_workers(run);
     author_result result = AUTHOR_OK;
     for (size_t first = 0; first < count && result == AUTHOR_OK; first += step) {
         slice part = {task, context, first, errors};

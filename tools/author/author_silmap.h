@@ -21,6 +21,16 @@ typedef struct author_path {
     int closed;
 } author_path;
 
+/* A colour inside of closed paths, painted over what is there already. */
+typedef struct author_silmap_shape {
+    size_t first, count; /* of author_silmap_input.paths */
+    int even_odd;        /* inside is where the paths wind an odd number of times; 0: where they wind at all */
+    uint32_t within;     /* 1 + the number of a shape before it, outside of which nothing of it is seen; 0: none */
+    int bounds;          /* it is not painted: others are within it */
+    float colour[4];     /* a texel of the picture, but for its alpha */
+    float opacity;       /* 0 to 1; colours mix as displayed, as drawing programs do it */
+} author_silmap_shape;
+
 /* What a silmap is made of. The picture is wanted always; the rest adds what is known beyond it. */
 typedef struct author_silmap_input {
     /* The original at a resolution well above the cells (8 to 16 texels a cell is good): colours in linear light, alpha straight. Values that
@@ -34,6 +44,10 @@ typedef struct author_silmap_input {
     const author_path *paths;
     size_t path_count;
     int paths_only;
+    /* A flat drawing: all paths belong to these shapes, the first is the lowest. Nothing below them is 0 in all channels. Regions are what has one
+     * colour, with exact borders; the picture should be that of author_silmap_draw. Labels and paths_only are not looked at. */
+    const author_silmap_shape *shapes;
+    size_t shape_count;
     int repeat_x, repeat_y; /* the texture repeats: its sides meet */
 } author_silmap_input;
 
@@ -73,7 +87,11 @@ typedef struct author_silmap_result {
     uint8_t *defects; /* cells_x x cells_y: author_silmap_defect bits */
 } author_silmap_result;
 
-/* Edges are those of closed paths; without such, those of the labels; without these, those of the regions if the picture is flat art; else chains of
+/* The picture of input's shapes: each texel is the exact mean over its box, of colours as displayed. picture: created; its channels say which; input's own
+ * is not looked at. plain: as in the options. Errors: AUTHOR_BAD_INPUT, AUTHOR_NO_MEMORY, AUTHOR_CANCELLED. */
+author_result author_silmap_draw(author_run *run, const author_silmap_input *input, int plain, author_picture *picture);
+
+/* Edges are those of shapes, or of closed paths; without such, those of the labels; without these, those of the regions if the picture is flat art; else chains of
  * maxima of its gradient, and open paths, which hold only where they make the picture better. Paths and labels are taken as they are.
  * psnr is never below bilinear_psnr, unless no_least_squares: where cuts do not pay, there are none.
  * Errors: AUTHOR_BAD_INPUT, also if the quality is not reached; AUTHOR_NO_MEMORY, AUTHOR_CANCELLED. */
@@ -86,11 +104,11 @@ typedef struct author_silmap_place {
     double x, y, width, height;
 } author_silmap_place;
 
-/* Hinting: where a drawing best lies, so that most of the length of its edges along the axes is where points can stand. picture: the drawing as it
- * fills the texture, as for the fit; to be drawn again at *out. Each side goes out by up to half a cell and none comes in: no place
+/* Hinting: where a drawing best lies, so that most of the length of its edges along the axes is where points can stand; with paths or shapes, where
+ * the least area is wrong, of some places that are tried. input: the drawing as it fills the texture, as for the fit; to be drawn again at *out. Each side goes out by up to half a cell and none comes in: no place
  * moves by more than that, and what is beyond the texture's sides is cut off. It stays as it is where little would be won. Thin features may
  * fare worse there: fit both, and keep what author_silmap_is_better says. */
-author_result author_silmap_hint(author_run *run, const author_picture *picture, uint32_t cells_x, uint32_t cells_y,
+author_result author_silmap_hint(author_run *run, const author_silmap_input *input, uint32_t cells_x, uint32_t cells_y,
                                  int plain, author_silmap_place *out);
 /* Whether a drawing that lies at place was moved at all. */
 int author_silmap_is_moved(const author_silmap_place *place);

@@ -29,6 +29,11 @@ typedef struct author_point {
 /* Features of a picture with an index over their descriptors. */
 typedef struct author_features author_features;
 
+#define AUTHOR_DESCRIPTOR 128 /* numbers */
+
+/* An index over rows of AUTHOR_DESCRIPTOR bytes. */
+typedef struct author_index author_index;
+
 typedef struct author_match {
     uint32_t query, train; /* indices of features */
     float ratio;           /* distance of the nearest to that of the second nearest, 0 to 1: small is distinctive */
@@ -55,6 +60,16 @@ typedef struct author_vision {
      * MAGSAC++ (Barath et al. 2020) with a fixed seed. inlier: 1 for each pair that follows it. *found is 0 when there is none. */
     int (*homography)(const double *from, const double *to, size_t count, double reach, double matrix[9],
                       uint8_t *inlier, int *found, char *error);
+
+    /* A row of AUTHOR_DESCRIPTOR numbers from 0 to 1 for each point. */
+    const float *(*descriptors)(const author_features *features);
+    /* The rows must stay as they are until index_release. */
+    int (*index_create)(const uint8_t *rows, size_t count, author_index **out, char *error);
+    void (*index_release)(author_index *index); /* NULL is allowed */
+    /* Rows near each query (query_count rows), the nearest first: `most` row numbers, and squares of their distances. A number of
+     * UINT32_MAX means that there are no more. */
+    int (*index_search)(const author_index *index, const uint8_t *queries, size_t query_count, uint32_t most,
+                        uint32_t *numbers, float *squares, char *error);
 } author_vision;
 
 #ifdef __cplusplus

@@ -24,6 +24,8 @@ extern "C" {
 #endif
 
 #define AUTHOR_NONE UINT32_MAX
+#define AUTHOR_FEW_PHOTOS 40
+#define AUTHOR_CANDIDATES 12
 #define AUTHOR_REASON_TEXT 256
 
 typedef struct author_photo {
@@ -48,7 +50,11 @@ typedef struct author_register_options {
     double min_correlation; /* of a picture low-passed to its parent's resolution with the parent; default 0.9 */
     double min_contained;   /* share of a picture's area that its parent must contain; default 0.6 */
     double min_ratio;       /* how much finer a child is at least; default 1.1 */
-    uint64_t memory;        /* bytes for all pictures together; finer detail is dropped to fit; default 1 GiB */
+    /* Bytes for all pictures together, and as many again for their features: detail and weak features are dropped to fit. Default 1 GiB. */
+    uint64_t memory;
+    /* Pictures that each one is compared with: those that look most alike at a quick look. Default: all, and AUTHOR_CANDIDATES of more
+     * than AUTHOR_FEW_PHOTOS pictures. */
+    uint32_t candidates;
 } author_register_options;
 
 typedef enum author_state {

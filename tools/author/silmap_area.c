@@ -15,11 +15,6 @@
 
 #include <math.h>
 
-/* A table: for each column the pairs (E, G) at the edge + 1 borders, then the sums of E at the bottom over the columns. In squares. */
-size_t silmap_table_size(uint32_t edge) {
-    return (size_t)edge * (edge + 1) * 2 + edge + 1;
-}
-
 double silmap_weight(const silmap_labels *labels, uint32_t shown, uint32_t wanted) {
     if (shown == wanted)
         return 0;
@@ -32,32 +27,19 @@ double silmap_weight(const silmap_labels *labels, uint32_t shown, uint32_t wante
     return sum;
 }
 
-static void fill_table(const silmap_labels *labels, size_t c, uint32_t plus, uint32_t minus, double *table) {
-    uint32_t edge = labels->edge;
+static silmap_half half_of(const silmap_labels *labels, size_t c, uint32_t plus, uint32_t minus, double *memory) {
     const silmap_block *block = labels->blocks[c];
+    const uint32_t *regions = block ? block->regions : &labels->uniform[c];
     double differences[SILMAP_LOCAL];
     uint32_t count = block ? block->count : 1;
-    for (uint32_t r = 0; r < count; r++) {
-        uint32_t region = block ? block->regions[r] : labels->uniform[c];
-        differences[r] = silmap_weight(labels, plus, region) - silmap_weight(labels, minus, region);
-    }
-    double *bottom = table + (size_t)edge * (edge + 1) * 2;
-    bottom[0] = 0;
-    for (uint32_t x = 0; x < edge; x++) {
-        const uint8_t *column = block ? block->squares + (size_t)x * edge : NULL;
-        double e = 0, g = 0;
-        for (uint32_t y = 0; y < edge; y++, table += 2) {
-            double d = differences[column ? column[y] : 0];
-            table[0] = e;
-            table[1] = g;
-            g += e + d / 2;
-            e += d;
-        }
-        table[0] = e;
-        table[1] = g;
-        table += 2;
-        bottom[x + 1] = bottom[x] + e;
-    }
+    for (uint32_t r = 0; r < count; r++)
+        differences[r] = silmap_weight(labels, plus, regions[r]) - silmap_weight(labels, minus, regions[r]);
+    if (count == 1)
+        return (silmap_half){.used = 1, .level = differences[0]};
+    if (count == 2)
+        return (silmap_half){1, differences[0], differences[1] - differences[0], block->table};
+    silmap_table_fill(block->places, labels->edge, labels->finer, differences, memory);
+    return (silmap_half){1, 0, 1, memory};
 }
 
 /* Which arm of the first cell, and of the second, the line is; the corners of the cell on its two sides. */
@@ -81,15 +63,10 @@ void silmap_line_set(const silmap_labels *labels, size_t first, size_t second, i
     if (plus == minus)
         return;
     out->used = 1;
-    if (first != SIZE_MAX) {
-        fill_table(labels, first, plus, minus, memory);
-        out->first = memory;
-    }
-    if (second != SIZE_MAX) {
-        memory += silmap_table_size(labels->edge);
-        fill_table(labels, second, plus, minus, memory);
-        out->second = memory;
-    }
+    if (first != SIZE_MAX)
+        out->first = half_of(labels, first, plus, minus, memory);
+    if (second != SIZE_MAX)
+        out->second = half_of(labels, second, plus, minus, memory + silmap_table_size(labels->edge));
 }
 
 /* The integral of E over dx along a piece of a segment within one column, from ya to yb. */
@@ -106,9 +83,9 @@ static double strip(const double *column, uint32_t edge, double ya, double yb, d
     return dx * (gb - ga) / (yb - ya);
 }
 
-static double along(const double *table, uint32_t edge, double x0, double y0, double x1, double y1) {
+static double along_table(const double *table, uint32_t edge, double x0, double y0, double x1, double y1) {
     if (x1 < x0)
-        return -along(table, edge, x1, y1, x0, y0);
+        return -along_table(table, edge, x1, y1, x0, y0);
     if (!(x1 - x0 > 1e-12))
         return 0;
     double slope = (y1 - y0) / (x1 - x0), sum = 0;
@@ -123,11 +100,19 @@ static double along(const double *table, uint32_t edge, double x0, double y0, do
     return sum;
 }
 
+static double along(const silmap_half *half, uint32_t edge, double x0, double y0, double x1, double y1) {
+    double sum = half->level * (x1 - x0) * (y0 + y1) / 2;
+    return half->table ? sum + half->rise * along_table(half->table, edge, x0, y0, x1, y1) : sum;
+}
+
 /* The integral of E at the bottom from 0 to x. */
-static double along_bottom(const double *table, uint32_t edge, double x) {
-    const double *bottom = table + (size_t)edge * (edge + 1) * 2;
+static double along_bottom(const silmap_half *half, uint32_t edge, double x) {
+    double sum = half->level * edge * x;
+    if (!half->table)
+        return sum;
+    const double *bottom = half->table + (size_t)edge * (edge + 1) * 2;
     uint32_t c = x >= edge ? edge - 1 : (uint32_t)x;
-    return bottom[c] + (bottom[c + 1] - bottom[c]) * (x - c);
+    return sum + half->rise * (bottom[c] + (bottom[c + 1] - bottom[c]) * (x - c));
 }
 
 double silmap_line_cost(const silmap_line *line, uint32_t edge, unsigned first, unsigned second) {
@@ -139,16 +124,16 @@ double silmap_line_cost(const silmap_line *line, uint32_t edge, unsigned first, 
     double sum = 0;
     if (line->vertical) {
         double x = ax + (bx - ax) * (e - ay) / (by + e - ay);
-        if (line->first)
-            sum += along(line->first, edge, x, e, ax, ay) + along_bottom(line->first, edge, x);
-        if (line->second)
-            sum += along(line->second, edge, bx, by, x, 0);
+        if (line->first.used)
+            sum += along(&line->first, edge, x, e, ax, ay) + along_bottom(&line->first, edge, x);
+        if (line->second.used)
+            sum += along(&line->second, edge, bx, by, x, 0);
     } else {
         double y = ay + (by - ay) * (e - ax) / (bx + e - ax);
-        if (line->first)
-            sum += along(line->first, edge, ax, ay, e, y);
-        if (line->second)
-            sum += along(line->second, edge, 0, y, bx, by);
+        if (line->first.used)
+            sum += along(&line->first, edge, ax, ay, e, y);
+        if (line->second.used)
+            sum += along(&line->second, edge, 0, y, bx, by);
     }
     return sum / (e * e);
 }
@@ -158,11 +143,8 @@ double silmap_base_cost(const silmap_labels *labels, size_t c) {
     const silmap_block *block = labels->blocks[c];
     if (!block)
         return silmap_weight(labels, shown, labels->uniform[c]);
-    double weights[SILMAP_LOCAL], sum = 0;
+    double sum = 0;
     for (uint32_t r = 0; r < block->count; r++)
-        weights[r] = silmap_weight(labels, shown, block->regions[r]);
-    size_t squares = (size_t)labels->edge * labels->edge;
-    for (size_t i = 0; i < squares; i++)
-        sum += weights[block->squares[i]];
-    return sum / (double)squares;
+        sum += block->shares[r] * silmap_weight(labels, shown, block->regions[r]);
+    return sum;
 }

@@ -2,7 +2,7 @@
 /*
  * All points of a chain at once. Where a border between two regions passes, each cell has two lines that count, so cells form chains; what a
  * chain costs is a sum over its lines of functions of two neighbouring points, and dynamic programming finds the best points of
- * all its cells together, each within some steps of where it is. One point at a time cannot: a line that should move as a whole needs both its ends.
+ * all its cells together, out of the better ones of each. One point at a time cannot: a line that should move as a whole needs both its ends.
  */
 #include "silmap_fit.h"
 
@@ -11,6 +11,7 @@
 
 #define PIECE 32 /* cells; between pieces one cell stays, and another in the next round */
 #define STATES 64
+#define KEPT 16 /* of them are tried together with those of the neighbours */
 #define GAIN 1e-9
 #define POINT 0x3fu
 #define NO_ARM 4
@@ -29,7 +30,6 @@ typedef struct chain_piece {
 
 typedef struct chain_job {
     silmap_labels *labels;
-    int reach;
     chain_node *nodes;
     size_t node_count;
     chain_piece *pieces;
@@ -144,20 +144,6 @@ static void trace_chains(chain_job *job, int odd) {
 
 /* ---- the best points ------------------------------------------------------------------------------------ */
 
-static void list_states(const silmap_grid *grid, int reach, chain_node *node) {
-    int p = grid->cells[node->cell] & POINT, px = p & 7, py = p >> 3;
-    node->count = 0;
-    for (int y = py - reach; y <= py + reach; y++) {
-        for (int x = px - reach; x <= px + reach; x++) {
-            if (x < 0 || y < 0 || x > 7 || y > 7)
-                continue;
-            if (x == px && y == py)
-                node->now = node->count;
-            node->states[node->count++] = (uint8_t)(y << 3 | x);
-        }
-    }
-}
-
 /* The line from cell c through an arm. */
 static void set_link(const chain_job *job, size_t c, int arm, double *memory, silmap_line *line) {
     size_t next = silmap_next(job->labels->grid, c, arm);
@@ -184,6 +170,32 @@ static void add_end(const chain_job *job, const chain_node *node, int arm, doubl
         unsigned own = node->states[s];
         costs[s] += link_cost(job, &line, arm, own, point_beyond(job->labels->grid, node->cell, arm, own));
     }
+}
+
+/* The positions of a cell that cost least beside its neighbours' points as they are, and the one that it has. */
+static void list_states(const chain_job *job, chain_node *node, double *memory) {
+    double costs[STATES] = {0};
+    uint8_t own = job->labels->grid->cells[node->cell] & POINT;
+    for (int s = 0; s < STATES; s++)
+        node->states[s] = (uint8_t)s;
+    node->count = STATES;
+    add_end(job, node, node->in, memory, costs);
+    add_end(job, node, node->out, memory, costs);
+    costs[own] = -INFINITY;
+    for (int n = 0; n < KEPT; n++) {
+        int best = n;
+        for (int s = n + 1; s < STATES; s++)
+            best = costs[s] < costs[best] ? s : best;
+        double cost = costs[best];
+        uint8_t state = node->states[best];
+        /* Those before it move up: where two are as good, the order stays. */
+        memmove(&costs[n + 1], &costs[n], (size_t)(best - n) * sizeof *costs);
+        memmove(&node->states[n + 1], &node->states[n], (size_t)(best - n));
+        costs[n] = cost;
+        node->states[n] = state;
+    }
+    node->count = KEPT;
+    node->now = 0;
 }
 
 static void step(const chain_job *job, const chain_node *before, chain_node *node, double *memory,
@@ -228,7 +240,7 @@ static author_result visit_piece(void *context, size_t index, unsigned worker) {
     if (!piece_has_moved(job, nodes, piece->count))
         return AUTHOR_OK;
     for (size_t i = 0; i < piece->count; i++) {
-        list_states(job->labels->grid, job->reach, &nodes[i]);
+        list_states(job, &nodes[i], memory);
         if (i == 0)
             add_end(job, &nodes[0], nodes[0].in, memory, costs);
         else
@@ -248,10 +260,9 @@ static author_result visit_piece(void *context, size_t index, unsigned worker) {
     return AUTHOR_OK;
 }
 
-author_result silmap_chains_fit(author_run *run, silmap_labels *labels, int reach, const uint32_t *moved,
-                                uint32_t since) {
+author_result silmap_chains_fit(author_run *run, silmap_labels *labels, const uint32_t *moved, uint32_t since) {
     size_t cells = (size_t)labels->grid->w * labels->grid->h, active = labels->active_count;
-    chain_job job = {.labels = labels, .reach = reach, .moved = moved, .since = since};
+    chain_job job = {.labels = labels, .moved = moved, .since = since};
     job.nodes = author_alloc(run, active, sizeof *job.nodes);
     job.pieces = author_alloc(run, active, sizeof *job.pieces);
     job.memory = author_alloc(run, 2 * silmap_table_size(labels->edge) * author_workers(run), sizeof *job.memory);

@@ -15,6 +15,8 @@
 #define TRIES 3
 #define CLASSES (SILMAP_CLASSES(2) * SILMAP_CLASSES(2))
 #define ENTRIES 14 /* upper triangle of 4 x 4, right side */
+#define LEVELS 8   /* of mixtures, as displayed */
+#define SRGB 13
 
 static const silmap_pattern fit_pattern = {4, 1};
 
@@ -244,6 +246,24 @@ static void limit_by_alpha(const silmap_model *model) {
         for (int ch = 0; ch < alpha; ch++)
             sample[ch] = fminf(sample[ch], sample[alpha]);
     }
+}
+
+void silmap_colour_round(const silmap_model *model, const silmap_labels *labels, const uint8_t *fixed) {
+    uint32_t channels = model->picture->channels;
+    for (size_t i = 0; i < (size_t)model->grid->sw * model->grid->sh * channels; i++) {
+        size_t s = i / channels;
+        uint32_t ch = (uint32_t)(i % channels);
+        const silmap_region *region = &labels->truth->regions[labels->sample[s]];
+        float *value = &model->samples[i], coded = silmap_code(model->curve, ch, *value);
+        float rounded = roundf(coded * LEVELS) / LEVELS;
+        if (fixed[s] || !region->flat)
+            continue;
+        if (fabsf(coded - region->coded[ch]) <= 0.5f / LEVELS)
+            *value = region->colour[ch];
+        else
+            *value = ch < model->curve->colours ? zt_transfer_decode(SRGB, rounded) : rounded;
+    }
+    limit_by_alpha(model);
 }
 
 /* One round; the step is halved until it lowers the error, or not taken. */

@@ -15,7 +15,7 @@
 #define POLISH_SWEEPS 2
 #define FIRST_PATIENCE 2 /* before the points are where the picture wants them */
 #define FIRST_CELLS 8    /* of the search for a grid */
-#define NOT_HELD 0.1     /* of a cell's area is wrong: its samples may be mixtures */
+#define NOT_HELD 0.03    /* squared, of a cell's error: its samples may be mixtures */
 #define DRAWN_SHARE 0.5  /* of the picture is of flat regions: a drawing, whose edges are sure */
 
 static const silmap_pattern judge_pattern = {5, 1};
@@ -190,9 +190,10 @@ static author_result refine_photograph(fit_job *job) {
 }
 
 static author_result fit_cuts(fit_job *job) {
+    static const author_silmap_place whole = {0, 0, 1, 1};
     if (!job->labelled)
         return silmap_edges_find(job->run, job->input, job->options, &job->curve, &job->grid);
-    author_result result = silmap_labels_create(job->run, &job->truth, &job->grid, &job->labels);
+    author_result result = silmap_labels_create(job->run, &job->truth, &whole, job->hasty, &job->grid, &job->labels);
     return result == AUTHOR_OK ? silmap_points_fit(job->run, &job->labels, job->hasty) : result;
 }
 
@@ -207,6 +208,8 @@ static author_result fit_colours(fit_job *job) {
         result = find_fixed(job, &fixed);
     if (result == AUTHOR_OK)
         result = silmap_colour_solve(job->run, &job->model, fixed, job->hasty ? 1 : ROUNDS, job->errors);
+    if (result == AUTHOR_OK && fixed)
+        silmap_colour_round(&job->model, &job->labels, fixed);
     free(fixed);
     return result == AUTHOR_OK && !job->drawn ? refine_photograph(job) : result;
 }
@@ -283,7 +286,7 @@ static author_result hand_out(fit_job *job, author_silmap_result *out) {
     if (result == AUTHOR_OK)
         result = author_picture_create(job->run, grid->w, grid->h, channels, &out->minified);
     if (result == AUTHOR_OK && job->labelled && !job->hasty)
-        result = silmap_labels_judge(job->run, &job->labels, job->options->filter, &out->disagreement, out->defects);
+        result = silmap_labels_judge(job->run, &job->labels, job->options->filter, 0, &out->disagreement, out->defects);
     if (result != AUTHOR_OK)
         return result;
     memcpy(out->cells, grid->cells, cells);

@@ -3,7 +3,10 @@
  * The parts of the silmap fit (author_silmap.h), in the order in which they work:
  *
  *   silmap_grid    cells, samples, sides and who is next to whom
- *   silmap_truth   which region is at a place of the original: given labels, paths, or flat art found in the picture
+ *   silmap_truth   which region is at a place of the original: given labels, paths, shapes, or flat art found in the picture
+ *   silmap_fill    flat drawings: which colour is at a place
+ *   silmap_draw    their picture
+ *   silmap_block   what the original has in one cell
  *   silmap_area    exact area of what a cell shows wrongly, as a sum over the lines between the points
  *   silmap_points  points and sample labels that make that area small
  *   silmap_edges   for photographs, edges found in the picture: which sides they cross, and where in the cell
@@ -11,7 +14,8 @@
  *   silmap_colour  the samples
  *   silmap_polish  for photographs, points that the picture itself decides about
  *   silmap_fit     all together
- *   silmap_hint    before it all: where a drawing best lies in its texture
+ *   silmap_axis    before it all: where the edges along an axis lie best
+ *   silmap_hint    where a drawing best lies in its texture
  */
 #ifndef ZTEX_AUTHOR_SILMAP_FIT_H
 #define ZTEX_AUTHOR_SILMAP_FIT_H
@@ -134,9 +138,10 @@ typedef struct silmap_truth {
     size_t *row_first; /* rows + 1, into row_edges */
     uint32_t *row_edges;
     uint32_t rows;
-    uint64_t *marks; /* sorted: the sum of marks of each region that has a texel */
+    uint64_t *marks; /* sorted: the sum of marks of each region that has a texel; of shapes: its colour */
     uint32_t *mark_region;
     size_t mark_count;
+    struct silmap_fills *fills; /* silmap_fill.h; NULL: the paths are no shapes */
 } silmap_truth;
 
 /* *found 0: the picture has no regions. */
@@ -157,21 +162,37 @@ int silmap_truth_plain(const silmap_truth *truth, double x0, double y0, double x
 author_result silmap_flat_find(author_run *run, silmap_truth *truth, int *found);
 uint32_t silmap_flat_at(const silmap_truth *truth, double x, double y);
 
-/* ---- silmap_area.c ---------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_block.c, silmap_area.c ------------------------------------------------------------------------------------------ */
 
 #define SILMAP_LOCAL 16 /* regions of a cell that are told apart */
 
-/* What the original has in one cell: edge x edge squares, each of one region. */
+/* What the original has in one cell. */
 typedef struct silmap_block {
     uint32_t regions[SILMAP_LOCAL];
-    uint32_t count;
-    uint8_t squares[]; /* column after column; index into regions */
+    double shares[SILMAP_LOCAL]; /* of the cell's area */
+    uint32_t count;              /* of regions, 2 or more */
+    int thin;                    /* a feature is thinner than the cell */
+    uint8_t middle;              /* a position on the border between regions, or the default */
+    const double *table;         /* of two regions: where the second is; see silmap_table_fill */
+    const uint8_t *places;       /* of more: see there */
+    double memory[];
 } silmap_block;
+
+size_t silmap_table_size(uint32_t edge); /* doubles */
+/* A table of a function E in a cell of edge x edge squares: for each column the pairs (E, G) at the edge + 1 borders of squares, then the sums of E
+ * at the bottom over the columns. E is the integral from the top of the values that the places have, G that of E. places are
+ * edge * finer in a column, column after column, and index values. In squares. */
+void silmap_table_fill(const uint8_t *places, uint32_t edge, uint32_t finer, const double *values, double *table);
+/* NULL: no memory. */
+silmap_block *silmap_block_create(const uint32_t *regions, uint32_t count, const uint8_t *places, uint32_t edge,
+                                  uint32_t finer);
 
 typedef struct silmap_labels {
     const silmap_truth *truth;
+    author_silmap_place place; /* of the original in the texture */
     silmap_grid *grid;
-    uint32_t edge;
+    uint32_t edge;         /* squares along a cell */
+    uint32_t finer;        /* places along a square, of one region each */
     uint32_t *sample;      /* region of each sample */
     uint32_t *uniform;     /* region of each cell that has but one */
     silmap_block **blocks; /* NULL: uniform */
@@ -179,15 +200,20 @@ typedef struct silmap_labels {
     size_t active_count;
 } silmap_labels;
 
+/* The half of a line that lies in one cell: how much worse it is there to show the region on one of its sides than that on the other. */
+typedef struct silmap_half {
+    int used;
+    double level, rise;  /* level + rise times the share of the second region */
+    const double *table; /* of that share; NULL: none */
+} silmap_half;
+
 /* A line between the points of two cells, or the half of one that leads out of the texture. */
 typedef struct silmap_line {
-    int vertical;        /* from the upper cell to the lower, and not from the left to the right */
-    int used;            /* 0: the same region on both sides */
-    const double *first; /* tables: see silmap_area.c */
-    const double *second;
+    int vertical; /* from the upper cell to the lower, and not from the left to the right */
+    int used;     /* 0: the same region on both sides */
+    silmap_half first, second;
 } silmap_line;
 
-size_t silmap_table_size(uint32_t edge); /* doubles for one half of a line */
 double silmap_weight(const silmap_labels *labels, uint32_t shown, uint32_t wanted);
 /* The line between cell c and the one at its east (vertical 0) or south (1). memory: 2 tables. first or second may be SIZE_MAX. */
 void silmap_line_set(const silmap_labels *labels, size_t first, size_t second, int vertical, double *memory,
@@ -199,15 +225,17 @@ double silmap_base_cost(const silmap_labels *labels, size_t c);
 
 /* ---- silmap_points.c -------------------------------------------------------------------------------------------------------- */
 
-author_result silmap_labels_create(author_run *run, const silmap_truth *truth, silmap_grid *grid, silmap_labels *out);
+/* place: where the original's unit square lies in that of the texture. hasty: not as finely as could be. */
+author_result silmap_labels_create(author_run *run, const silmap_truth *truth, const author_silmap_place *place,
+                                   int hasty, silmap_grid *grid, silmap_labels *out);
 void silmap_labels_release(silmap_labels *labels);
 /* Points and sample labels; then the cuts. hasty: one round of them. */
 author_result silmap_points_fit(author_run *run, silmap_labels *labels, int hasty);
 /* silmap_chain.c: all points of a chain of cells at once; only of chains in which something has moved: moved of a cell is at least since. */
-author_result silmap_chains_fit(author_run *run, silmap_labels *labels, int reach, const uint32_t *moved,
-                                uint32_t since);
-/* Area that shows another region, at places that the fit has not seen; and the defects of the cells. */
-author_result silmap_labels_judge(author_run *run, const silmap_labels *labels, zt_silmap_filter filter,
+author_result silmap_chains_fit(author_run *run, silmap_labels *labels, const uint32_t *moved, uint32_t since);
+/* Share of the area that shows another region, at places that the fit has not seen; weighted: times how far their colours are apart. And the
+ * defects of the cells, unless NULL. */
+author_result silmap_labels_judge(author_run *run, const silmap_labels *labels, zt_silmap_filter filter, int weighted,
                                   double *disagreement, uint8_t *defects);
 
 /* ---- silmap_edges.c --------------------------------------------------------------------------------------------------------- */
@@ -301,5 +329,21 @@ author_result silmap_colour_means(author_run *run, const silmap_model *model, co
 /* Least squares under the filter; fixed (one for each sample) may be NULL. errors: of each cell, before and after. Kept only if it lowers them. */
 author_result silmap_colour_solve(author_run *run, silmap_model *model, const uint8_t *fixed, int rounds,
                                   double *errors);
+/* Mixtures of flat regions in few levels, for they cost more bytes than they are worth: samples that are not fixed. */
+void silmap_colour_round(const silmap_model *model, const silmap_labels *labels, const uint8_t *fixed);
+
+/* ---- silmap_axis.c ---------------------------------------------------------------------------------------------------------- */
+
+#define SILMAP_REACH 0.5 /* cells that a side of a drawing may go out for hinting */
+#define SILMAP_SPOTS 6
+
+typedef struct silmap_spot {
+    double out[2]; /* cells that the first side and the last go out */
+    double cost;   /* of the edges along the axis */
+} silmap_spot;
+
+/* Where edges along an axis (0: those whose x is one) lie well; *before: what they cost where they are. All of these are some way apart. */
+author_result silmap_axis_spots(author_run *run, const author_picture *picture, const silmap_curve *curve,
+                                uint32_t cells, int axis, double *before, silmap_spot out[SILMAP_SPOTS]);
 
 #endif

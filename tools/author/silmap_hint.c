@@ -1,153 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where a drawing best lies in its texture. Points stand on (k + 1/2) / 8 of a cell. A slanted edge passes near enough points to be held well
- * wherever it is, but one along an axis that lies between two lines of points is off by up to a 16th of a cell for all of its
- * length. So the edges along the axes are gathered from the picture, by where they are, and each side of the drawing goes out
- * by as much as puts most of their length on lines of points. The two axes have nothing to do with each other.
+ * Where a drawing best lies in its texture. What its edges along the axes say (silmap_axis.c) is a start. Where the regions are known exactly, the points are
+ * fitted at some such places, in haste, and around the best of them, and the area that is wrong decides: it knows of slanted
+ * edges, of corners and of what is thin.
  */
 #include "silmap_fit.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define REACH 0.5 /* cells that a side may go out */
-#define BINS 512  /* of a cell: positions that are told apart */
-#define STEPS 32  /* of a side, first; then some more around the best */
-#define FINER 4   /* times, for each search after the first */
-#define SEARCHES 3
-#define SLOPE (1.0 / 16)  /* up to which an edge counts as along an axis */
-#define CONTRAST 0.01f    /* squared, of a step that counts */
-#define SAME (6.0f / 255) /* apart are texels of one colour, at most */
-#define WORTH 0.95        /* of the cost where the drawing is, or it stays there */
-#define LATTICE (1.0 / 8)
-
-typedef struct place_weight {
-    double at, weight; /* in cells; length times contrast */
-} place_weight;
+#define WORTH 0.95      /* of the cost where the drawing is, or it stays there */
+#define PAIRS 16        /* places out of spots that are tried at most, */
+#define TRIALS 32       /* and all places; */
+#define FEW 80000       /* cells of all trials together */
+#define STEP (1.0 / 16) /* of a side, around the best; then less */
+#define LEAST (1.0 / 128)
 
 typedef struct hint_job {
-    const author_picture *picture;
-    silmap_curve curve;
+    author_run *run;
+    const author_run *outer;
+    const author_silmap_input *input;
     uint32_t cells[2];
-    double *bins;
-    double *last; /* for each position along the axis: where the edge was in the line before; below 0: there was none */
-    place_weight *places;
-    size_t count;
+    silmap_truth truth;
+    silmap_spot spots[2][SILMAP_SPOTS];
+    size_t trials, all; /* that are left, and in all */
+    double out[4];      /* the best so far: west, east, north, south */
+    double least;
 } hint_job;
-
-/* ---- edges ---------------------------------------------------------------------------------------------- */
-
-static void coded_at(const hint_job *job, size_t index, float out[SILMAP_CHANNELS]) {
-    silmap_texel(job->picture, &job->curve, index, out);
-    for (uint32_t ch = 0; ch < job->picture->channels; ch++)
-        out[ch] = silmap_code(&job->curve, ch, out[ch]);
-}
-
-static int is_same(const hint_job *job, size_t index, const float *coded) {
-    float other[SILMAP_CHANNELS];
-    coded_at(job, index, other);
-    for (uint32_t ch = 0; ch < job->picture->channels; ch++)
-        if (!(fabsf(other[ch] - coded[ch]) <= SAME))
-            return 0;
-    return 1;
-}
-
-/* Whether texel number `along` of a line is a step from one flat colour to another. *share is how much of it has the colour before. */
-static int is_step(const hint_job *job, size_t index, size_t step, size_t along, size_t n, double *share,
-                   float *contrast) {
-    uint32_t channels = job->picture->channels;
-    const float *texels = job->picture->texels;
-    if (along < 1 || along + 1 >= n ||
-        memcmp(texels + (index - step) * channels, texels + (index + step) * channels, channels * sizeof *texels) == 0)
-        return 0;
-    float before[SILMAP_CHANNELS], own[SILMAP_CHANNELS], after[SILMAP_CHANNELS], product = 0;
-    coded_at(job, index - step, before);
-    coded_at(job, index, own);
-    coded_at(job, index + step, after);
-    *contrast = 0;
-    for (uint32_t ch = 0; ch < channels; ch++) {
-        float d = before[ch] - after[ch];
-        *contrast += d * d;
-        product += d * (own[ch] - after[ch]);
-    }
-    *share = *contrast > CONTRAST ? (double)(product / *contrast) : 0;
-    if (!(*share > 0 && *share <= 1))
-        return 0;
-    for (uint32_t ch = 0; ch < channels; ch++)
-        if (fabs((double)(own[ch] - after[ch]) - *share * (double)(before[ch] - after[ch])) > (double)SAME)
-            return 0;
-    return (along < 2 || is_same(job, index - 2 * step, before)) &&
-           (along + 2 >= n || is_same(job, index + 2 * step, after));
-}
-
-/* Edges across an axis: 0 those whose x is one, 1 those whose y is. */
-static void gather(hint_job *job, int axis) {
-    uint32_t w = job->picture->width, h = job->picture->height;
-    size_t n = axis ? h : w, step = axis ? w : 1;
-    double scale = (double)job->cells[axis] / (double)n, most = (double)job->cells[axis] * BINS - 1;
-    memset(job->bins, 0, (size_t)job->cells[axis] * BINS * sizeof *job->bins);
-    for (size_t i = 0; i < n; i++)
-        job->last[i] = -1;
-    for (size_t index = 0; index < (size_t)w * h; index++) {
-        size_t along = axis ? index / w : index % w;
-        double share, before = axis && index % w == 0 ? -1 : job->last[along], *last = &job->last[along];
-        float contrast;
-        *last = -1;
-        if (!is_step(job, index, step, along, n, &share, &contrast))
-            continue;
-        *last = (double)along + share;
-        if (before >= 0 && fabs(*last - before) <= SLOPE)
-            job->bins[(size_t)fmin((*last + before) / 2 * scale * BINS, most)] += (double)contrast;
-    }
-    job->count = 0;
-    for (size_t i = 0; i < (size_t)job->cells[axis] * BINS; i++)
-        if (job->bins[i] > 0)
-            job->places[job->count++] = (place_weight){((double)i + 0.5) / BINS, job->bins[i]};
-}
-
-/* ---- the best place ------------------------------------------------------------------------------------- */
-
-/* Of an edge, by its length: it lies on one line of points, or goes to and fro between two. */
-static double edge_cost(double at) {
-    double t = at / LATTICE - 0.5, off = fabs(t - floor(t + 0.5)) * LATTICE, rest = LATTICE - off;
-    return fmin(off, (off * off + rest * rest) / (2 * LATTICE));
-}
-
-/* The drawing's sides at -out[0] and cells + out[1]. */
-static double cost_of(const hint_job *job, double cells, const double out[2]) {
-    double scale = (cells + out[0] + out[1]) / cells, sum = 0;
-    for (size_t i = 0; i < job->count; i++)
-        sum += job->places[i].weight * edge_cost(job->places[i].at * scale - out[0]);
-    return sum;
-}
-
-static void search(const hint_job *job, double cells, double step, int steps, double best[2], double *least) {
-    double middle[2] = {best[0], best[1]};
-    for (int i = -steps; i <= steps; i++) {
-        for (int j = -steps; j <= steps; j++) {
-            double out[2] = {middle[0] + i * step, middle[1] + j * step};
-            if (out[0] < 0 || out[1] < 0 || out[0] > REACH || out[1] > REACH)
-                continue;
-            double cost = cost_of(job, cells, out);
-            if (cost < *least) {
-                *least = cost;
-                best[0] = out[0];
-                best[1] = out[1];
-            }
-        }
-    }
-}
-
-static void place_axis(hint_job *job, int axis, double *start, double *size) {
-    double cells = job->cells[axis], best[2] = {0, 0}, step = REACH / STEPS;
-    gather(job, axis);
-    double before = cost_of(job, cells, best), least = before;
-    for (int i = 0; i < SEARCHES; i++, step /= FINER)
-        search(job, cells, step, i ? FINER : STEPS, best, &least);
-    int worth = least < WORTH * before;
-    *start = worth ? 0 - best[0] / cells : 0;
-    *size = worth ? (cells + best[0] + best[1]) / cells : 1;
-}
 
 int author_silmap_is_moved(const author_silmap_place *place) {
     return place->x < 0 || place->y < 0 || place->width > 1 || place->height > 1;
@@ -160,27 +39,142 @@ int author_silmap_is_better(const author_silmap_result *fit, const author_silmap
     return fit->psnr > other->psnr;
 }
 
-author_result author_silmap_hint(author_run *run, const author_picture *picture, uint32_t cells_x, uint32_t cells_y,
+/* By trials: the loops of each would go back. */
+static int report(void *user, const char *stage, double done) {
+    const hint_job *job = user;
+    (void)stage, (void)done;
+    double share = job->all ? 1 - (double)job->trials / (double)job->all : 0;
+    return job->outer->progress(job->outer->user, "place", share);
+}
+
+static author_silmap_place place_of(const hint_job *job, const double out[4]) {
+    double w = job->cells[0], h = job->cells[1];
+    return (author_silmap_place){0 - out[0] / w, 0 - out[2] / h, (w + out[0] + out[1]) / w, (h + out[2] + out[3]) / h};
+}
+
+/* ---- by trial ------------------------------------------------------------------------------------------- */
+
+/* Fits the points at a place; keeps it if it is the best. *cells, unless NULL: how many there are to be fitted. */
+static author_result try_place(hint_job *job, const double out[4], size_t *cells) {
+    author_silmap_place place = place_of(job, out);
+    silmap_grid grid;
+    silmap_labels labels = {0};
+    double cost = 0;
+    author_result result = silmap_grid_create(job->run, job->input, job->cells[0], job->cells[1], &grid);
+    if (result == AUTHOR_OK)
+        result = silmap_labels_create(job->run, &job->truth, &place, 1, &grid, &labels);
+    if (result == AUTHOR_OK)
+        result = silmap_points_fit(job->run, &labels, 1);
+    if (result == AUTHOR_OK)
+        result = silmap_labels_judge(job->run, &labels, ZT_SILMAP_NEAREST, 1, &cost, NULL);
+    if (result == AUTHOR_OK && cost < job->least) {
+        job->least = cost;
+        memmove(job->out, out, sizeof job->out);
+    }
+    if (cells)
+        *cells = labels.active_count;
+    silmap_labels_release(&labels);
+    silmap_grid_release(&grid);
+    return result;
+}
+
+static int compare_costs(const void *a, const void *b) {
+    const silmap_spot *x = a, *y = b;
+    return (x->cost > y->cost) - (x->cost < y->cost);
+}
+
+/* Spots of both axes, the cheapest pairs first. */
+static author_result try_pairs(hint_job *job) {
+    silmap_spot pairs[SILMAP_SPOTS * SILMAP_SPOTS];
+    int count = SILMAP_SPOTS * SILMAP_SPOTS;
+    for (int i = 0; i < count; i++) {
+        int x = i % SILMAP_SPOTS, y = i / SILMAP_SPOTS;
+        /* The numbers of both, to find them again; and no two costs are equal. */
+        pairs[i] = (silmap_spot){{x, y}, job->spots[0][x].cost + job->spots[1][y].cost + i * 1e-9};
+    }
+    qsort(pairs, (size_t)count, sizeof *pairs, compare_costs);
+    author_result result = AUTHOR_OK;
+    for (int i = 0; i < PAIRS && job->trials && result == AUTHOR_OK; i++, job->trials--) {
+        const double *x = job->spots[0][(int)pairs[i].out[0]].out, *y = job->spots[1][(int)pairs[i].out[1]].out;
+        double out[4] = {x[0], x[1], y[0], y[1]};
+        result = try_place(job, out, NULL);
+    }
+    return result;
+}
+
+/* One side at a time. */
+static author_result try_around(hint_job *job) {
+    author_result result = AUTHOR_OK;
+    for (double step = STEP; step >= LEAST && job->trials && result == AUTHOR_OK;) {
+        double before = job->least;
+        for (int i = 0; i < 8 && job->trials && result == AUTHOR_OK; i++) {
+            double out[4];
+            memcpy(out, job->out, sizeof out);
+            out[i / 2] += i & 1 ? step : -step;
+            if (out[i / 2] < 0 || out[i / 2] > SILMAP_REACH)
+                continue;
+            result = try_place(job, out, NULL);
+            job->trials--;
+        }
+        step = job->least < before ? step : step / 2;
+    }
+    return result;
+}
+
+static author_result try_places(hint_job *job) {
+    static const double nothing[4] = {0, 0, 0, 0};
+    size_t cells = 0;
+    author_result result = try_place(job, nothing, &cells);
+    job->trials = cells ? FEW / cells : 0;
+    job->all = job->trials = job->trials > TRIALS ? TRIALS : job->trials;
+    if (result == AUTHOR_OK)
+        result = try_pairs(job);
+    return result == AUTHOR_OK ? try_around(job) : result;
+}
+
+/* ---- all together --------------------------------------------------------------------------------------- */
+
+/* What the edges along the axes say, if it is worth it. */
+static void take_spots(hint_job *job, const double before[2]) {
+    for (int axis = 0; axis < 2; axis++) {
+        const silmap_spot *best = &job->spots[axis][0];
+        for (int i = 1; i < SILMAP_SPOTS; i++)
+            best = job->spots[axis][i].cost < best->cost ? &job->spots[axis][i] : best;
+        if (best->cost < WORTH * before[axis])
+            memcpy(job->out + 2 * axis, best->out, sizeof best->out);
+    }
+}
+
+author_result author_silmap_hint(author_run *run, const author_silmap_input *input, uint32_t cells_x, uint32_t cells_y,
                                  int plain, author_silmap_place *out) {
+    const author_picture *picture = input->picture;
     *out = (author_silmap_place){0, 0, 1, 1};
     if (picture->channels > SILMAP_CHANNELS || cells_x == 0 || cells_y == 0 || cells_x > picture->width ||
         cells_y > picture->height)
         return author_fail(run, AUTHOR_BAD_INPUT, "%u x %u cells for a picture of %u x %u", cells_x, cells_y,
                            picture->width, picture->height);
-    hint_job job = {.picture = picture, .cells = {cells_x, cells_y}};
-    size_t longer = picture->width > picture->height ? picture->width : picture->height;
-    size_t bins = (size_t)(cells_x > cells_y ? cells_x : cells_y) * BINS;
-    silmap_curve_set(&job.curve, picture->channels, plain);
-    job.bins = author_alloc(run, bins, sizeof *job.bins);
-    job.last = author_alloc(run, longer, sizeof *job.last);
-    job.places = author_alloc(run, bins, sizeof *job.places);
-    int all = job.bins && job.last && job.places;
-    if (all) {
-        place_axis(&job, 0, &out->x, &out->width);
-        place_axis(&job, 1, &out->y, &out->height);
+    author_run own = *run;
+    hint_job job = {.run = &own, .outer = run, .input = input, .cells = {cells_x, cells_y}, .least = INFINITY};
+    if (run->progress) {
+        own.progress = report;
+        own.user = &job;
     }
-    free(job.bins);
-    free(job.last);
-    free(job.places);
-    return all ? AUTHOR_OK : AUTHOR_NO_MEMORY;
+    silmap_curve curve;
+    silmap_curve_set(&curve, picture->channels, plain);
+    double before[2];
+    author_result result = AUTHOR_OK;
+    for (int axis = 0; axis < 2 && result == AUTHOR_OK; axis++)
+        result = silmap_axis_spots(&own, picture, &curve, job.cells[axis], axis, &before[axis], job.spots[axis]);
+    int found = 0;
+    if (result == AUTHOR_OK && (input->shape_count || input->path_count))
+        result = silmap_truth_create(&own, input, &curve, &job.truth, &found);
+    if (result == AUTHOR_OK)
+        take_spots(&job, before);
+    if (result == AUTHOR_OK && job.truth.edges)
+        result = try_places(&job);
+    silmap_truth_release(&job.truth);
+    if (result == AUTHOR_OK)
+        *out = place_of(&job, job.out);
+    memcpy(run->error, own.error, sizeof run->error);
+    return result;
 }

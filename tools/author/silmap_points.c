@@ -18,8 +18,6 @@
 #define POINT 0x3fu
 #define ANYWHERE 7 /* steps that a point may go */
 #define NEARBY 2
-#define FAR 7
-#define FEW 8000  /* cells that there is time for */
 #define REGIONS 4 /* tried for a sample */
 
 typedef struct points_job {
@@ -30,7 +28,6 @@ typedef struct points_job {
     uint32_t now;
     uint32_t since; /* samples are tried again only where something has moved since */
     int rounds;
-    int reach;        /* steps that a point may go at a time, but for the first */
     uint32_t chained; /* so are chains */
     uint8_t *before;
 } points_job;
@@ -115,7 +112,7 @@ static author_result visit_point(void *context, size_t c, unsigned worker) {
         silmap_line_set(labels, l->first, l->second, arm == SILMAP_N || arm == SILMAP_S, memory, &l->line);
         memory += 2 * silmap_table_size(labels->edge);
     }
-    if (best_point(labels, c, list, job->now == 1 ? ANYWHERE : job->reach))
+    if (best_point(labels, c, list, job->now == 1 ? ANYWHERE : NEARBY))
         job->moved[c] = job->now;
     return AUTHOR_OK;
 }
@@ -207,9 +204,9 @@ static double inner_cost(const silmap_labels *labels, const surrounding *around)
         for (int arm = 0; arm < 4; arm++) {
             local_line half = *around->of[k][arm];
             if (arm == SILMAP_W || arm == SILMAP_N)
-                half.line.first = NULL;
+                half.line.first.used = 0;
             else
-                half.line.second = NULL;
+                half.line.second.used = 0;
             sum += line_cost(labels, &half);
         }
     }
@@ -327,24 +324,11 @@ static author_result move_samples(author_run *run, points_job *job) {
 
 /* ---- all together --------------------------------------------------------------------------------------- */
 
-/* In the middle of the border between the regions of the cell. */
 static void start_points(silmap_labels *labels) {
-    uint32_t edge = labels->edge;
     for (size_t i = 0; i < labels->active_count; i++) {
         const silmap_block *block = labels->blocks[labels->active[i]];
-        double x = 0, y = 0, n = 0;
-        for (uint32_t k = 0; block && k + edge + 1 < edge * edge; k++) {
-            int border = block->squares[k] != block->squares[k + 1] || block->squares[k] != block->squares[k + edge];
-            if ((k + 1) % edge == 0 || !border)
-                continue;
-            x += k / edge + 1.0;
-            y += k % edge + 1.0;
-            n++;
-        }
-        if (n < 1)
-            continue;
-        unsigned px = (unsigned)(x / n * 8 / edge), py = (unsigned)(y / n * 8 / edge);
-        labels->grid->cells[labels->active[i]] = (uint8_t)((px > 7 ? 7 : px) | (py > 7 ? 7 : py) << 3);
+        if (block)
+            labels->grid->cells[labels->active[i]] = block->middle;
     }
 }
 
@@ -366,7 +350,7 @@ static void cut_by_regions(silmap_labels *labels) {
 static author_result fit_chains(author_run *run, points_job *job) {
     const silmap_labels *labels = job->labels;
     memcpy(job->before, labels->grid->cells, (size_t)labels->grid->w * labels->grid->h);
-    author_result result = silmap_chains_fit(run, job->labels, job->reach, job->moved, job->chained);
+    author_result result = silmap_chains_fit(run, job->labels, job->moved, job->chained);
     job->chained = ++job->now;
     for (size_t i = 0; i < labels->active_count; i++)
         if (labels->grid->cells[labels->active[i]] != job->before[labels->active[i]])
@@ -399,7 +383,6 @@ author_result silmap_points_fit(author_run *run, silmap_labels *labels, int hast
     job.moved = author_alloc(run, (size_t)labels->grid->w * labels->grid->h, sizeof *job.moved);
     job.before = author_alloc(run, (size_t)labels->grid->w * labels->grid->h, 1);
     author_result result = job.memory && job.moved && job.before ? AUTHOR_OK : AUTHOR_NO_MEMORY;
-    job.reach = labels->active_count < FEW && !hasty ? FAR : NEARBY;
     job.rounds = hasty ? 1 : ROUNDS;
     if (result == AUTHOR_OK) {
         start_points(labels);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which region of the original is where: from given labels, from closed paths, or from flat art (silmap_flat.c). */
-#include "silmap_fit.h"
+/* Which region of the original is where: from given labels, from closed paths, from shapes (silmap_fill.c), or from flat art (silmap_flat.c). */
+#include "silmap_fill.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,9 @@
 #define REGIONS (UINT32_C(1) << 24)
 #define FLAT_DEVIATION (1.5 / 255)
 #define SAME_COLOUR (2.5 / 255)
-#define BLOCK 256 /* places that are looked up at a time */
+#define BLOCK 256                     /* places that are looked up at a time */
+#define FEW_ENTRIES ((size_t)1 << 24) /* of edges in bands: beyond that, some for each edge */
+#define ENTRIES_OF_EDGE 4
 
 /* ---- numbering keys ----------------------------------------------------------------------------------- */
 
@@ -97,19 +99,29 @@ static void put_edges(const author_silmap_input *input, silmap_truth *truth) {
     }
 }
 
-static uint32_t edge_row(const silmap_truth *truth, double y) {
+uint32_t silmap_edges_band(const silmap_truth *truth, double y) {
     double row = y * truth->rows;
     return row <= 0 ? 0 : row >= truth->rows - 1 ? truth->rows - 1 : (uint32_t)row;
 }
 
-/* Edges by the bands of y that they pass. */
-static author_result sort_edges(author_run *run, silmap_truth *truth) {
+/* How often edges are in bands. */
+static size_t count_entries(const silmap_truth *truth) {
+    size_t count = 0;
+    for (size_t e = 0; e < truth->edge_count; e++)
+        count += silmap_edges_band(truth, truth->edges[e].y1) - silmap_edges_band(truth, truth->edges[e].y0) + 1;
+    return count;
+}
+
+author_result silmap_edges_sort(author_run *run, silmap_truth *truth) {
+    const silmap_edge *edges = truth->edges;
     truth->rows = truth->picture->height;
+    while (truth->rows > 1 && count_entries(truth) > FEW_ENTRIES + ENTRIES_OF_EDGE * truth->edge_count)
+        truth->rows /= 2;
     truth->row_first = author_alloc(run, (size_t)truth->rows + 2, sizeof *truth->row_first);
     if (!truth->row_first)
         return AUTHOR_NO_MEMORY;
     for (size_t e = 0; e < truth->edge_count; e++)
-        for (uint32_t r = edge_row(truth, truth->edges[e].y0); r <= edge_row(truth, truth->edges[e].y1); r++)
+        for (uint32_t r = silmap_edges_band(truth, edges[e].y0); r <= silmap_edges_band(truth, edges[e].y1); r++)
             truth->row_first[r + 2]++;
     for (uint32_t r = 0; r < truth->rows; r++)
         truth->row_first[r + 2] += truth->row_first[r + 1];
@@ -117,7 +129,7 @@ static author_result sort_edges(author_run *run, silmap_truth *truth) {
     if (!truth->row_edges)
         return AUTHOR_NO_MEMORY;
     for (size_t e = 0; e < truth->edge_count; e++)
-        for (uint32_t r = edge_row(truth, truth->edges[e].y0); r <= edge_row(truth, truth->edges[e].y1); r++)
+        for (uint32_t r = silmap_edges_band(truth, edges[e].y0); r <= silmap_edges_band(truth, edges[e].y1); r++)
             truth->row_edges[truth->row_first[r + 1]++] = (uint32_t)e;
     return AUTHOR_OK;
 }
@@ -125,7 +137,7 @@ static author_result sort_edges(author_run *run, silmap_truth *truth) {
 /* Sums of marks for up to BLOCK places. */
 static void marks_of_row(const silmap_truth *truth, double y, double x0, double dx, size_t count,
                          uint64_t marks[BLOCK]) {
-    uint32_t row = edge_row(truth, y);
+    uint32_t row = silmap_edges_band(truth, y);
     memset(marks, 0, BLOCK * sizeof *marks);
     for (size_t i = truth->row_first[row]; i < truth->row_first[row + 1]; i++) {
         const silmap_edge *edge = &truth->edges[truth->row_edges[i]];
@@ -150,6 +162,12 @@ static size_t mark_place(const silmap_truth *truth, uint64_t mark) {
             high = middle;
     }
     return low;
+}
+
+/* SIZE_MAX: no texel has it. */
+static size_t region_of_mark(const silmap_truth *truth, uint64_t mark) {
+    size_t place = mark_place(truth, mark);
+    return place < truth->mark_count && truth->marks[place] == mark ? truth->mark_region[place] : SIZE_MAX;
 }
 
 static int compare_marks(const void *a, const void *b) {
@@ -199,10 +217,135 @@ static author_result labels_of_paths(author_run *run, const author_silmap_input 
     if (!truth->edges)
         return AUTHOR_NO_MEMORY;
     put_edges(input, truth);
-    author_result result = sort_edges(run, truth);
+    author_result result = silmap_edges_sort(run, truth);
     key_map map = {0};
     if (result == AUTHOR_OK)
         result = number_paths(run, truth, &map);
+    key_release(&map);
+    return result;
+}
+
+/* Texels that have another region beside them may be mixtures of both. */
+static void mark_mixed(silmap_truth *truth) {
+    size_t w = truth->picture->width, h = truth->picture->height;
+    for (size_t y = 0; y < h; y++) {
+        for (size_t x = 0; x < w; x++) {
+            uint32_t *at = &truth->labels[y * w + x];
+            uint32_t own = *at & ~SILMAP_MIXED;
+            if (x + 1 < w && (at[1] & ~SILMAP_MIXED) != own)
+                at[0] |= SILMAP_MIXED, at[1] |= SILMAP_MIXED;
+            if (y + 1 < h && (at[w] & ~SILMAP_MIXED) != own)
+                at[0] |= SILMAP_MIXED, at[w] |= SILMAP_MIXED;
+        }
+    }
+}
+
+/* ---- shapes ------------------------------------------------------------------------------------------- */
+
+typedef struct colour_job {
+    const silmap_truth *truth;
+    silmap_sweep *sweeps; /* of each worker */
+} colour_job;
+
+static author_result colour_row(void *context, size_t y, unsigned worker, char *error) {
+    (void)error;
+    const colour_job *job = context;
+    const author_picture *picture = job->truth->picture;
+    const silmap_run *run = job->sweeps[worker].runs;
+    uint32_t *labels = job->truth->labels + y * picture->width;
+    double dx = 1.0 / picture->width;
+    silmap_fills_runs(&job->sweeps[worker], ((double)y + 0.5) / picture->height, dx / 2, dx, picture->width);
+    for (size_t x = 0; x < picture->width; run++)
+        for (; x < run->end; x++)
+            labels[x] = run->key;
+    return AUTHOR_OK;
+}
+
+/* The labels are the colours at the centres of texels. */
+static author_result colour_texels(author_run *run, silmap_truth *truth) {
+    unsigned workers = author_workers(run);
+    colour_job job = {truth, author_alloc(run, workers, sizeof *job.sweeps)};
+    author_result result = job.sweeps ? AUTHOR_OK : AUTHOR_NO_MEMORY;
+    for (unsigned i = 0; i < workers && result == AUTHOR_OK; i++)
+        result = silmap_sweep_create(truth, &job.sweeps[i]);
+    if (result == AUTHOR_OK)
+        result = author_for(run, "regions", truth->picture->height, colour_row, &job);
+    for (unsigned i = 0; job.sweeps && i < workers; i++)
+        silmap_sweep_release(&job.sweeps[i]);
+    free(job.sweeps);
+    return result;
+}
+
+/* Regions by the first texel that they have; then those that are nowhere as large as that. */
+static author_result number_colours(author_run *run, silmap_truth *truth, key_map *map) {
+    size_t count = (size_t)truth->picture->width * truth->picture->height;
+    author_result result = AUTHOR_OK;
+    uint32_t last = ~truth->labels[0], region = 0;
+    for (size_t i = 0; i < count && result == AUTHOR_OK; i++) {
+        if (truth->labels[i] != last) {
+            last = truth->labels[i];
+            result = key_number(run, map, last, &region);
+        }
+        truth->labels[i] = region;
+    }
+    for (size_t s = 0; s < truth->fills->count && result == AUTHOR_OK; s++)
+        if (!truth->fills->shapes[s].bounds && !(truth->fills->paint[s].keep > 0))
+            result = key_number(run, map, silmap_fills_key(truth->fills->paint[s].value), &region);
+    return result == AUTHOR_OK ? keep_marks(run, map, truth) : result;
+}
+
+static void set_region(const silmap_truth *truth, const float value[SILMAP_CHANNELS], silmap_region *out) {
+    float texel[SILMAP_CHANNELS];
+    int alpha = truth->curve->alpha;
+    silmap_fills_texel(truth->fills, value, texel);
+    for (uint32_t ch = 0; ch < truth->picture->channels; ch++) {
+        out->colour[ch] = alpha < 0 || (int)ch == alpha ? texel[ch] : texel[ch] * texel[alpha];
+        out->coded[ch] = silmap_code(truth->curve, ch, out->colour[ch]);
+    }
+    out->flat = 1;
+}
+
+/* From a place of each: 8 bits are too few where little of a colour is seen. */
+static author_result set_regions(author_run *run, silmap_truth *truth) {
+    const struct silmap_fills *fills = truth->fills;
+    size_t width = truth->picture->width, count = width * truth->picture->height;
+    float value[SILMAP_CHANNELS];
+    silmap_sweep sweep;
+    truth->regions = author_alloc(run, truth->region_count, sizeof *truth->regions);
+    if (!truth->regions || silmap_sweep_create(truth, &sweep) != AUTHOR_OK)
+        return AUTHOR_NO_MEMORY;
+    for (size_t s = 0; s < fills->count; s++)
+        if (!fills->shapes[s].bounds && !(fills->paint[s].keep > 0))
+            set_region(truth, fills->paint[s].value,
+                       &truth->regions[region_of_mark(truth, silmap_fills_key(fills->paint[s].value))]);
+    for (size_t i = 0; i < count; i++) {
+        silmap_region *region = &truth->regions[truth->labels[i]];
+        if (!region->flat) {
+            double x = ((double)(i % width) + 0.5) / (double)width;
+            silmap_sweep_line(&sweep, ((double)(i / width) + 0.5) / truth->picture->height);
+            for (size_t k = 0; k < sweep.count && sweep.list[k].x <= x; k++)
+                silmap_sweep_cross(&sweep, k);
+            silmap_sweep_value(&sweep, value);
+            silmap_sweep_end(&sweep);
+            set_region(truth, value, region);
+        }
+        region->texels++;
+    }
+    silmap_sweep_release(&sweep);
+    return AUTHOR_OK;
+}
+
+static author_result labels_of_shapes(author_run *run, const author_silmap_input *input, silmap_truth *truth) {
+    key_map map = {0};
+    author_result result = silmap_fills_create(run, input, truth->curve->colours == 0, truth);
+    if (result == AUTHOR_OK)
+        result = colour_texels(run, truth);
+    if (result == AUTHOR_OK)
+        result = number_colours(run, truth, &map);
+    if (result == AUTHOR_OK)
+        result = set_regions(run, truth);
+    if (result == AUTHOR_OK)
+        mark_mixed(truth);
     key_release(&map);
     return result;
 }
@@ -224,21 +367,6 @@ static author_result labels_given(author_run *run, const uint32_t *labels, silma
     return result;
 }
 
-/* Texels that have another region beside them may be mixtures of both. */
-static void mark_mixed(silmap_truth *truth) {
-    size_t w = truth->picture->width, h = truth->picture->height;
-    for (size_t y = 0; y < h; y++) {
-        for (size_t x = 0; x < w; x++) {
-            uint32_t *at = &truth->labels[y * w + x];
-            uint32_t own = *at & ~SILMAP_MIXED;
-            if (x + 1 < w && (at[1] & ~SILMAP_MIXED) != own)
-                at[0] |= SILMAP_MIXED, at[1] |= SILMAP_MIXED;
-            if (y + 1 < h && (at[w] & ~SILMAP_MIXED) != own)
-                at[0] |= SILMAP_MIXED, at[w] |= SILMAP_MIXED;
-        }
-    }
-}
-
 /* ---- statistics --------------------------------------------------------------------------------------- */
 
 typedef struct region_sum {
@@ -246,16 +374,28 @@ typedef struct region_sum {
     double count;
 } region_sum;
 
-static void add_texel(const silmap_truth *truth, size_t i, region_sum *sum) {
+/* Adds count equal texels. */
+static void add_texels(const silmap_truth *truth, size_t i, size_t count, region_sum *sum) {
     float texel[SILMAP_CHANNELS];
+    double times = (double)count;
     silmap_texel(truth->picture, truth->curve, i, texel);
     for (uint32_t ch = 0; ch < truth->picture->channels; ch++) {
         double coded = (double)silmap_code(truth->curve, ch, texel[ch]);
-        sum->linear[ch] += (double)texel[ch];
-        sum->coded[ch] += coded;
-        sum->square[ch] += coded * coded;
+        sum->linear[ch] += times * (double)texel[ch];
+        sum->coded[ch] += times * coded;
+        sum->square[ch] += times * coded * coded;
     }
-    sum->count++;
+    sum->count += times;
+}
+
+/* How many texels from number i on are equal, in the same region. */
+static size_t equal_texels(const silmap_truth *truth, size_t i, size_t count) {
+    const float *texel = truth->picture->texels + i * truth->picture->channels;
+    size_t size = truth->picture->channels * sizeof *texel, n = 1;
+    for (const float *next = texel + truth->picture->channels; i + n < count; n++, next += truth->picture->channels)
+        if (truth->labels[i + n] != truth->labels[i] || memcmp(next, texel, size) != 0)
+            break;
+    return n;
 }
 
 static void finish_region(uint32_t channels, const region_sum *sum, silmap_region *out) {
@@ -283,8 +423,10 @@ static author_result measure_regions(author_run *run, silmap_truth *truth) {
         free(border);
         return AUTHOR_NO_MEMORY;
     }
-    for (size_t i = 0; i < count; i++)
-        add_texel(truth, i, &(truth->labels[i] & SILMAP_MIXED ? border : sums)[truth->labels[i] & ~SILMAP_MIXED]);
+    for (size_t i = 0, n; i < count; i += n) {
+        n = equal_texels(truth, i, count);
+        add_texels(truth, i, n, &(truth->labels[i] & SILMAP_MIXED ? border : sums)[truth->labels[i] & ~SILMAP_MIXED]);
+    }
     for (uint32_t r = 0; r < truth->region_count; r++)
         finish_region(truth->picture->channels, sums[r].count > 0 ? &sums[r] : &border[r], &truth->regions[r]);
     free(sums);
@@ -344,6 +486,8 @@ static int all_closed(const author_silmap_input *input) {
 static author_result find_regions(author_run *run, const author_silmap_input *input, silmap_truth *truth, int *found) {
     author_result result;
     *found = 1;
+    if (input->shape_count > 0)
+        return labels_of_shapes(run, input, truth);
     if (all_closed(input))
         result = labels_of_paths(run, input, truth);
     else if (input->paths_only)
@@ -382,6 +526,7 @@ void silmap_truth_release(silmap_truth *truth) {
     free(truth->row_edges);
     free(truth->marks);
     free(truth->mark_region);
+    silmap_fills_release(truth->fills);
     *truth = (silmap_truth){0};
 }
 
@@ -393,31 +538,56 @@ static size_t texel_at(const silmap_truth *truth, double x, double y) {
     return j * w + i;
 }
 
+static uint32_t label_at(const silmap_truth *truth, double x, double y) {
+    return truth->labels[texel_at(truth, x, y)] & ~SILMAP_MIXED;
+}
+
 static void row_of_paths(const silmap_truth *truth, double y, double x0, double dx, size_t count, uint32_t *out) {
     uint64_t marks[BLOCK];
     for (size_t first = 0; first < count; first += BLOCK) {
         size_t n = count - first < BLOCK ? count - first : BLOCK;
         marks_of_row(truth, y, x0 + (double)first * dx, dx, n, marks);
         for (size_t i = 0; i < n; i++) {
-            size_t place = i > 0 && marks[i] == marks[i - 1] ? SIZE_MAX : mark_place(truth, marks[i]);
-            if (place == SIZE_MAX)
+            if (i > 0 && marks[i] == marks[i - 1]) {
                 out[first + i] = out[first + i - 1];
-            else if (place < truth->mark_count && truth->marks[place] == marks[i])
-                out[first + i] = truth->mark_region[place];
-            else
-                out[first + i] = truth->labels[texel_at(truth, x0 + (double)(first + i) * dx, y)] & ~SILMAP_MIXED;
+                continue;
+            }
+            size_t region = region_of_mark(truth, marks[i]);
+            out[first + i] = region != SIZE_MAX ? (uint32_t)region : label_at(truth, x0 + (double)(first + i) * dx, y);
         }
     }
 }
 
+/* Where several colours are seen through each other there may be one that no texel has: it counts as that of its texel. So does everything when there
+ * is no memory. */
+static void row_of_shapes(const silmap_truth *truth, double y, double x0, double dx, size_t count, uint32_t *out) {
+    silmap_sweep sweep;
+    const silmap_run everything = {count, 0}, *run = &everything;
+    int swept = silmap_sweep_create(truth, &sweep) == AUTHOR_OK;
+    if (swept && count > 0) {
+        silmap_fills_runs(&sweep, y, x0, dx, count);
+        run = sweep.runs;
+    }
+    for (size_t i = 0; i < count; run++) {
+        size_t region = swept ? region_of_mark(truth, run->key) : SIZE_MAX;
+        for (; i < run->end; i++)
+            out[i] = region != SIZE_MAX ? (uint32_t)region : label_at(truth, x0 + (double)i * dx, y);
+    }
+    silmap_sweep_release(&sweep);
+}
+
 void silmap_truth_row(const silmap_truth *truth, double y, double x0, double dx, size_t count, uint32_t *out) {
+    if (truth->fills) {
+        row_of_shapes(truth, y, x0, dx, count, out);
+        return;
+    }
     if (truth->edges) {
         row_of_paths(truth, y, x0, dx, count, out);
         return;
     }
     for (size_t i = 0; i < count; i++) {
         double x = x0 + (double)i * dx;
-        out[i] = truth->resolve ? silmap_flat_at(truth, x, y) : truth->labels[texel_at(truth, x, y)] & ~SILMAP_MIXED;
+        out[i] = truth->resolve ? silmap_flat_at(truth, x, y) : label_at(truth, x, y);
     }
 }
 

@@ -42,7 +42,7 @@ typedef struct fitting {
     umb_candidate *candidate;
     const zt_umbrella_info *info;
     zt_umbrella_colour_mode mode;
-    author_xy pixel;
+    double pixel[4]; /* derivatives */
     const author_picture *truth, *background;
     row *rows;
     double *colours[3];
@@ -78,8 +78,10 @@ static int add_hit(row *r, double weight, size_t first_share) {
 }
 
 /* Section 3, step 5: equation 1 of the paper. */
-static int share_by_distance(row *r, const zt_umbrella *u, const author_xy *d, author_xy q) {
+static int share_by_distance(row *r, const fitting *f, const zt_umbrella *u, author_xy q) {
+    author_xy d[AUTHOR_VERTICES];
     double total = 0, far[AUTHOR_VERTICES + 1];
+    umb_polygon(f->info, u, f->candidate->level.bits, d);
     for (uint32_t i = 0; i <= u->vertex_count; i++) {
         author_xy v = i ? umb_less(q, d[i - 1]) : q;
         far[i] = sqrt(v.x * v.x + v.y * v.y);
@@ -93,50 +95,26 @@ static int share_by_distance(row *r, const zt_umbrella *u, const author_xy *d, a
     return 0;
 }
 
-static int share_by_sector(row *r, const zt_umbrella *u, const author_xy *d, uint32_t i, uint32_t j, author_xy q) {
-    double whole = umb_cross(d[i], d[j]), g = umb_cross(q, d[j]) / whole, k = umb_cross(d[i], q) / whole;
-    return add_share(r, u->first_colour, 1 - g - k) || add_share(r, u->first_colour + 1 + i, g) ||
-           add_share(r, u->first_colour + 1 + j, k);
-}
-
-static uint32_t sector_of(const author_xy *d, uint32_t count, author_xy q) {
-    for (uint32_t i = 0; i < count; i++)
-        if (umb_cross(d[i], q) >= 0 && umb_cross(d[i + 1 < count ? i + 1 : 0], q) < 0)
-            return i;
-    return 0;
-}
-
-static double length_of(author_xy d) {
-    return sqrt(d.x * d.x + d.y * d.y);
-}
-
-/* Section 3, step 2. */
-static double coverage_of(author_xy a, author_xy b, author_xy q, author_xy pixel) {
-    author_xy side = umb_less(b, a);
-    double length = sqrt(side.x * side.x + side.y * side.y);
-    double inner = umb_cross(side, umb_less(q, a)) / length;
-    if (inner < 0) /* nothing reaches far beyond a sharp tip */
-        inner = fmin(inner, fmax(length_of(a), length_of(b)) - length_of(q));
-    double reach = (fabs(side.x) * pixel.y + fabs(side.y) * pixel.x) / length / 2;
-    return fmin(fmax((1 + inner / reach) / 2, 0), 1);
+static int share_by_sector(row *r, const zt_umbrella *u, const zt_umbrella_sector *s) {
+    return add_share(r, u->first_colour, 1 - s->g - s->k) || add_share(r, u->first_colour + 1 + s->i, s->g) ||
+           add_share(r, u->first_colour + 1 + s->j, s->k);
 }
 
 /* 0, or -1: no memory. */
 static int look_at(const fitting *f, uint32_t entry, author_xy place, double *left, row *r) {
     const umb_candidate *c = f->candidate;
     const zt_umbrella *u = &c->umbrellas[entry & ZT_UMBRELLA_ENTRY];
-    author_xy d[64];
+    zt_umbrella_sector s;
     uint32_t shift = entry >> ZT_UMBRELLA_SHIFT;
     author_xy q = {place.x - u->x / 65536.0 - ((double)(shift % 3) - 1) * c->level.width,
                    place.y - u->y / 65536.0 - ((double)(shift / 3) - 1) * c->level.height};
-    uint32_t count = (uint32_t)umb_polygon(f->info, u, c->level.bits, d), i = sector_of(d, count, q);
-    uint32_t j = i + 1 < count ? i + 1 : 0;
-    double coverage = coverage_of(d[i], d[j], q, f->pixel), weight = *left * coverage;
+    zt_umbrella_sector_at(f->info, &c->level, u, q.x, q.y, f->pixel, &s);
+    double weight = *left * s.coverage;
     size_t before = r->share_count;
     if (weight == 0)
         return 0;
-    *left *= 1 - coverage;
-    if (f->mode == ZT_UMBRELLA_BARYCENTRIC ? share_by_sector(r, u, d, i, j, q) : share_by_distance(r, u, d, q))
+    *left *= 1 - s.coverage;
+    if (f->mode == ZT_UMBRELLA_BARYCENTRIC ? share_by_sector(r, u, &s) : share_by_distance(r, f, u, q))
         return -1;
     return add_hit(r, weight, before);
 }
@@ -462,7 +440,13 @@ static void release(fitting *f) {
 author_result umb_fit_level(author_run *run, umb_candidate *candidate, zt_umbrella_colour_mode mode, author_xy pixel,
                             const author_picture *truth, const author_picture *background) {
     zt_umbrella_info info = umb_candidate_view(candidate);
-    fitting f = {run, candidate, &info, mode, pixel, truth, background, NULL, {NULL}, {NULL}};
+    fitting f = {.run = run,
+                 .candidate = candidate,
+                 .info = &info,
+                 .mode = mode,
+                 .pixel = {pixel.x, 0, 0, pixel.y},
+                 .truth = truth,
+                 .background = background};
     author_result result = allocate(&f);
     if (result == AUTHOR_OK)
         result = author_for(run, "levels", truth->height, look_at_row, &f);

@@ -19,8 +19,9 @@
 namespace {
 
 using Index = cv::flann::GenericIndex<cvflann::L2<float>>;
+using ByteIndex = cv::flann::GenericIndex<cvflann::L2<unsigned char>>;
 
-constexpr int kLength = 128;    // of a descriptor
+constexpr int kLength = AUTHOR_DESCRIPTOR;
 constexpr int kTrees = 4;       // of the index
 constexpr int kChecks = 32;     // leaves that one search looks at
 constexpr int kSeed = 20100214; // of everything that OpenCV draws by chance
@@ -55,6 +56,11 @@ struct author_features {
     std::vector<author_point> points;
     cv::Mat descriptors; // a row of floats for each point
     std::unique_ptr<Index> index;
+};
+
+struct author_index {
+    cv::Mat rows;
+    std::unique_ptr<ByteIndex> index;
 };
 
 namespace {
@@ -270,11 +276,62 @@ int homography(const double *from, const double *to, size_t count, double reach,
     });
 }
 
+// ---- an index over many pictures ------------------------------------------------------------------------------
+
+const float *descriptors(const author_features *features) {
+    return features->descriptors.ptr<float>();
+}
+
+cv::Mat matrixOf(const uint8_t *rows, size_t count) {
+    return {static_cast<int>(count), kLength, CV_8U, const_cast<uint8_t *>(rows)};
+}
+
+int createIndex(const uint8_t *rows, size_t count, author_index **out, char *error) {
+    constexpr int trees = 2; // more take memory and hardly find more
+    *out = nullptr;
+    return guarded(error, "index features", [&] {
+        auto made = std::make_unique<author_index>();
+        made->rows = matrixOf(rows, count);
+        cv::theRNG() = cv::RNG(kSeed);
+        if (count > 1)
+            made->index = std::make_unique<ByteIndex>(made->rows, cvflann::KDTreeIndexParams(trees));
+        *out = made.release();
+    });
+}
+
+void releaseIndex(author_index *index) {
+    delete index;
+}
+
+int searchIndex(const author_index *index, const uint8_t *queries, size_t query_count, uint32_t most, uint32_t *numbers,
+                float *squares, char *error) {
+    constexpr int checks = 128;
+    return guarded(error, "look features up", [&] {
+        std::fill_n(numbers, query_count * most, UINT32_MAX);
+        if (!index->index || query_count == 0)
+            return;
+        int rows = static_cast<int>(query_count), found = std::min(static_cast<int>(most), index->rows.rows);
+        cv::Mat places(rows, found, CV_32S), distances(rows, found, CV_32F);
+        index->index->knnSearch(matrixOf(queries, query_count), places, distances, found,
+                                cvflann::SearchParams(checks));
+        for (int i = 0; i < rows; i++)
+            for (int k = 0; k < found; k++) {
+                int place = places.at<int>(i, k);
+                size_t at = static_cast<size_t>(i) * most + static_cast<size_t>(k);
+                if (place >= 0 && place < index->rows.rows) {
+                    numbers[at] = static_cast<uint32_t>(place);
+                    squares[at] = distances.at<float>(i, k);
+                }
+            }
+    });
+}
+
 } // namespace
 
 extern "C" {
 extern __attribute__((visibility("default"))) const author_vision ztex_vision_module;
 const author_vision ztex_vision_module = {
-    sizeof(author_vision), detect, release, points, match, matchNear, homography,
+    sizeof(author_vision), detect,      release,      points,      match, matchNear, homography,
+    descriptors,           createIndex, releaseIndex, searchIndex,
 };
 }

@@ -273,6 +273,19 @@ static bool closer(const edge *a, const edge *b) {
     return a->inliers != b->inliers ? a->inliers > b->inliers : a->matches > b->matches;
 }
 
+static void explain_difference(const edge *e, const char *other, author_placing *p) {
+    if (e->compared)
+        snprintf(p->text, sizeof p->text,
+                 "%u features agree on a place in %.120s, but it does not look alike there: correlation %.2f, of "
+                 "detail %.2f",
+                 e->inliers, other, e->correlation, e->local_correlation);
+    else
+        snprintf(p->text, sizeof p->text,
+                 "%u features agree on a place in %.120s, but the two cannot be compared there: too small, too plain "
+                 "or not flat",
+                 e->inliers, other);
+}
+
 static void explain(const author_photos *named, const edge_list *list, uint32_t i, author_placing *p) {
     const edge *best = NULL;
     for (size_t k = 0; k < list->count; k++) {
@@ -281,8 +294,10 @@ static void explain(const author_photos *named, const edge_list *list, uint32_t 
             best = e;
     }
     p->reason = best ? best->reason : AUTHOR_REASON_FEW_MATCHES;
-    if (!best)
+    if (!best || (p->reason == AUTHOR_REASON_FEW_MATCHES && !best->matches)) {
+        snprintf(p->text, sizeof p->text, "none of its features is found again in another picture");
         return;
+    }
     const char *other = named->photos[best->coarse == i ? best->fine : best->coarse].name;
     switch (p->reason) {
     case AUTHOR_REASON_FEW_MATCHES:
@@ -295,9 +310,7 @@ static void explain(const author_photos *named, const edge_list *list, uint32_t 
                  best->matches, other, best->inliers);
         break;
     case AUTHOR_REASON_CORRELATION:
-        snprintf(p->text, sizeof p->text,
-                 "%u features agree on a place in %.120s, but it does not look alike there: correlation %.2f",
-                 best->inliers, other, best->correlation);
+        explain_difference(best, other, p);
         break;
     case AUTHOR_REASON_AMBIGUOUS:
         snprintf(p->text, sizeof p->text, "it fits in several places of %.120s equally well", other);

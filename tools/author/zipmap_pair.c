@@ -10,7 +10,8 @@ enum {
     QUERIES = 1500,    /* the largest features of the finer picture: those that the coarser one can show */
     CLEAR = 60,        /* inliers that settle which picture is the finer one */
     LEAST_MATCHES = 8, /* that agree in size and direction, before a homography is tried */
-    LEAST_INLIERS = 6
+    LEAST_INLIERS = 6,
+    TRIES = 4 /* changes of size and direction that are looked into, each way */
 };
 
 static const double LEAST_SHARE = 0.25; /* of the matches that agree in size and direction */
@@ -35,8 +36,8 @@ static bool agrees(const tie *a, const tie *b) {
     return fabs(a->size - b->size) < SIZE_REACH && fabs(turned(a->turn - b->turn)) < ANGLE_REACH;
 }
 
-/* Keeps the ties that most others agree with: of wrong ones hardly any do. */
-static size_t keep_agreeing(tie *ties, size_t count) {
+/* Brings the ties that most others agree with to the front, and counts them: of wrong ones hardly any agree. */
+static size_t gather_agreeing(tie *ties, size_t count) {
     size_t best = 0, most = 0, kept = 0;
     for (size_t i = 0; i < count; i++) {
         size_t friends = 0;
@@ -48,18 +49,41 @@ static size_t keep_agreeing(tie *ties, size_t count) {
         }
     }
     tie middle = count ? ties[best] : (tie){0};
-    for (size_t i = 0; i < count; i++)
-        if (agrees(&middle, &ties[i]))
-            ties[kept++] = ties[i];
+    for (size_t i = 0; i < count; i++) {
+        tie other = ties[i];
+        if (!agrees(&middle, &other))
+            continue;
+        ties[i] = ties[kept];
+        ties[kept++] = other;
+    }
     return kept;
 }
 
+/* Where many features are thought to be the same one, as on plain colour, at most one is: the most distinctive stays. */
+static author_result keep_one_each(author_run *run, author_match *matches, size_t *count, size_t trains) {
+    uint32_t *first = author_alloc(run, trains, sizeof *first); /* 1 + the best match */
+    size_t kept = 0;
+    if (!first)
+        return AUTHOR_NO_MEMORY;
+    for (size_t i = 0; i < *count; i++) {
+        uint32_t *best = &first[matches[i].train];
+        if (!*best || matches[i].ratio < matches[*best - 1].ratio)
+            *best = (uint32_t)i + 1;
+    }
+    for (size_t i = 0; i < *count; i++)
+        if (first[matches[i].train] == i + 1)
+            matches[kept++] = matches[i];
+    *count = kept;
+    free(first);
+    return AUTHOR_OK;
+}
+
 static size_t ties_of(const author_point *from, const author_point *to, const author_match *matches, size_t count,
-                      float distinct, tie *ties) {
+                      tie *ties) {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
         const author_point *a = &from[matches[i].query], *b = &to[matches[i].train];
-        if (matches[i].ratio < distinct)
+        if (matches[i].ratio < DISTINCT)
             ties[kept++] = (tie){.from = {(double)a->x, (double)a->y},
                                  .to = {(double)b->x, (double)b->y},
                                  .size = log2((double)(b->size / a->size)),
@@ -100,7 +124,6 @@ static bool take_matrix(const plane *pixels, const uint32_t fine[2], const uint3
 typedef struct look {
     author_match *matches;
     tie *ties;
-    size_t count; /* of ties that agree */
     size_t room;
 } look;
 
@@ -117,44 +140,38 @@ static void look_close(look *l) {
     *l = (look){0};
 }
 
-/* fine as the finer picture of the two. */
-static author_result look_one_way(author_run *run, const author_vision *vision, const photo *fine, const photo *coarse,
-                                  look *l, edge *e) {
-    size_t fine_count, coarse_count, count;
-    const author_point *from = vision->points(fine->features, &fine_count);
-    const author_point *to = vision->points(coarse->features, &coarse_count);
-    plane pixels;
-    if (vision->match(fine->features, l->room, coarse->features, l->matches, &count, run->error) != 0)
-        return AUTHOR_INTERNAL;
-    l->count = keep_agreeing(l->ties, ties_of(from, to, l->matches, count, DISTINCT, l->ties));
-    e->matches = (uint32_t)l->count;
-    e->inliers = 0;
-    e->reason = AUTHOR_REASON_FEW_MATCHES;
-    if (l->count < LEAST_MATCHES)
-        return AUTHOR_OK;
-    author_result result = fit(run, vision, l->ties, l->count, &pixels, &e->inliers);
-    e->reason = AUTHOR_REASON_NO_HOMOGRAPHY;
-    if (result != AUTHOR_OK || e->inliers < LEAST_INLIERS || e->inliers < LEAST_SHARE * e->matches)
-        return result;
-    if (take_matrix(&pixels, fine->feature_size, coarse->feature_size, e) &&
-        plane_plausible(&e->matrix, coarse->pixels, fine->pixels))
-        e->reason = AUTHOR_REASON_NONE;
-    return AUTHOR_OK;
-}
-
 /* Turns an edge whose fine picture is the coarser one. */
-static void orient(const photo *photos, edge *e) {
-    e->ratio = plane_ratio(&e->matrix, photos[e->coarse].pixels, photos[e->fine].pixels);
+static bool orient(const photo *photos, edge *e) {
     plane back;
-    if (e->ratio >= 1 || !plane_inverse(&e->matrix, &back))
-        return;
+    e->ratio = plane_ratio(&e->matrix, photos[e->coarse].pixels, photos[e->fine].pixels);
+    if (!(e->ratio > 0) || !isfinite(e->ratio) || !plane_inverse(&e->matrix, &back))
+        return false;
+    if (e->ratio >= 1)
+        return true;
     uint32_t coarse = e->coarse;
     e->coarse = e->fine;
     e->fine = coarse;
     e->matrix = back;
-    if (!plane_normalise(&e->matrix))
-        e->reason = AUTHOR_REASON_NO_HOMOGRAPHY;
     e->ratio = plane_ratio(&e->matrix, photos[e->coarse].pixels, photos[e->fine].pixels);
+    return plane_normalise(&e->matrix);
+}
+
+/* Whether ties enough follow one homography. What is far outside of the fine picture may look odd, so it is turned before it is judged. */
+static author_result try_ties(author_run *run, const author_vision *vision, const photo *photos, const tie *ties,
+                              size_t count, edge *e) {
+    plane pixels;
+    e->matches = (uint32_t)count;
+    e->reason = AUTHOR_REASON_FEW_MATCHES;
+    if (count < LEAST_MATCHES)
+        return AUTHOR_OK;
+    author_result result = fit(run, vision, ties, count, &pixels, &e->inliers);
+    e->reason = AUTHOR_REASON_NO_HOMOGRAPHY;
+    if (result != AUTHOR_OK || e->inliers < LEAST_INLIERS || e->inliers < LEAST_SHARE * e->matches)
+        return result;
+    if (take_matrix(&pixels, photos[e->fine].feature_size, photos[e->coarse].feature_size, e) && orient(photos, e) &&
+        plane_plausible(&e->matrix, photos[e->coarse].pixels, photos[e->fine].pixels))
+        e->reason = AUTHOR_REASON_NONE;
+    return AUTHOR_OK;
 }
 
 static bool better(const edge *a, const edge *b) {
@@ -162,18 +179,56 @@ static bool better(const edge *a, const edge *b) {
     return held != other ? held : a->inliers != b->inliers ? a->inliers > b->inliers : a->matches > b->matches;
 }
 
-author_result pair_match(author_run *run, const author_vision *vision, const photo *photos, edge *e) {
+/* Keeps the best places that were tried, the best first. */
+static void offer(pair_places *places, const edge *tried) {
+    size_t i = places->count;
+    while (i > 0 && better(tried, &places->edges[i - 1]))
+        i--;
+    if (i == PAIR_PLACES)
+        return;
+    places->count += places->count < PAIR_PLACES;
+    memmove(places->edges + i + 1, places->edges + i, (places->count - 1 - i) * sizeof *tried);
+    places->edges[i] = *tried;
+}
+
+static bool is_clear(const pair_places *places) {
+    return places->count && places->edges[0].reason == AUTHOR_REASON_NONE && places->edges[0].inliers >= CLEAR;
+}
+
+/* fine as the finer picture of the two. */
+static author_result look_one_way(author_run *run, const author_vision *vision, const photo *photos, uint32_t fine,
+                                  uint32_t coarse, look *l, pair_places *places) {
+    size_t fine_count, coarse_count, count;
+    const author_features *from = photos[fine].features, *to = photos[coarse].features;
+    const author_point *from_points = vision->points(from, &fine_count), *to_points = vision->points(to, &coarse_count);
+    if (vision->match(from, l->room, to, l->matches, &count, run->error) != 0)
+        return AUTHOR_INTERNAL;
+    author_result result = keep_one_each(run, l->matches, &count, coarse_count);
+    tie *rest = l->ties;
+    size_t left = result == AUTHOR_OK ? ties_of(from_points, to_points, l->matches, count, rest) : 0;
+    for (int i = 0; i < TRIES && result == AUTHOR_OK && !is_clear(places); i++) {
+        edge tried = {.coarse = coarse, .fine = fine};
+        size_t agreeing = gather_agreeing(rest, left);
+        result = try_ties(run, vision, photos, rest, agreeing, &tried);
+        offer(places, &tried);
+        rest += agreeing;
+        left -= agreeing;
+        if (left < LEAST_MATCHES)
+            break;
+    }
+    return result;
+}
+
+author_result pair_match(author_run *run, const author_vision *vision, const photo *photos, const edge *e,
+                         pair_places *out) {
     look l;
-    edge ways[2] = {*e, *e};
-    ways[1].coarse = e->fine;
-    ways[1].fine = e->coarse;
+    *out = (pair_places){0};
     author_result result = look_open(run, QUERIES, &l);
-    for (int i = 0; i < 2 && result == AUTHOR_OK && ways[0].inliers < CLEAR; i++)
-        result = look_one_way(run, vision, &photos[ways[i].fine], &photos[ways[i].coarse], &l, &ways[i]);
+    if (result == AUTHOR_OK)
+        result = look_one_way(run, vision, photos, e->fine, e->coarse, &l, out);
+    if (result == AUTHOR_OK && !is_clear(out))
+        result = look_one_way(run, vision, photos, e->coarse, e->fine, &l, out);
     look_close(&l);
-    *e = better(&ways[1], &ways[0]) ? ways[1] : ways[0];
-    if (e->reason == AUTHOR_REASON_NONE)
-        orient(photos, e);
     return result;
 }
 
@@ -218,6 +273,7 @@ static author_result fit_again(author_run *run, const author_vision *vision, con
     size_t counts[2], found;
     const author_point *from = vision->points(features[0], &counts[0]), *to = vision->points(features[1], &counts[1]);
     look l;
+    size_t count = 0;
     plane pixels, back;
     uint32_t inliers = 0;
     author_result result = look_open(run, counts[0], &l);
@@ -225,9 +281,9 @@ static author_result fit_again(author_run *run, const author_vision *vision, con
         vision->match_near(features[0], features[1], NEAR_REACH * v->coarse.width, l.matches, &found, run->error) != 0)
         result = AUTHOR_INTERNAL;
     if (result == AUTHOR_OK) {
-        l.count = ties_of(from, to, l.matches, found, DISTINCT, l.ties);
-        if (l.count >= AGAIN_LEAST)
-            result = fit(run, vision, l.ties, l.count, &pixels, &inliers);
+        count = ties_of(from, to, l.matches, found, l.ties);
+        if (count >= AGAIN_LEAST)
+            result = fit(run, vision, l.ties, count, &pixels, &inliers);
     }
     if (result == AUTHOR_OK && inliers >= AGAIN_LEAST / 2 && inliers > e->inliers && plane_inverse(&pixels, &back)) {
         plane to_box = {{v->size[0], 0, -(double)v->box[0], 0, v->size[1], -(double)v->box[1], 0, 0, 1}}, from_box;
@@ -235,7 +291,7 @@ static author_result fit_again(author_run *run, const author_vision *vision, con
         plane a = plane_multiply(&back, &to_box), b = plane_multiply(&from_box, &a), c = plane_multiply(&e->matrix, &b);
         if (plane_normalise(&c)) {
             e->matrix = c;
-            e->matches = (uint32_t)l.count;
+            e->matches = (uint32_t)count;
             e->inliers = inliers;
         }
     }
@@ -282,10 +338,12 @@ author_result pair_refine(author_run *run, const photo *photos, const author_reg
     if (result != AUTHOR_OK)
         return result;
     e->reason = AUTHOR_REASON_CORRELATION;
-    e->correlation = r.correlation;
+    e->compared = false;
     if (!r.converged || !plane_plausible(&r.matrix, coarse->pixels, fine->pixels))
         return AUTHOR_OK;
+    e->compared = true;
     e->matrix = r.matrix;
+    e->correlation = r.correlation;
     e->local_correlation = r.local_correlation;
     e->residual = r.residual;
     e->distortion = r.distortion;

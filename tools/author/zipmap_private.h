@@ -133,6 +133,7 @@ typedef struct photo {
 typedef struct edge {
     uint32_t coarse, fine;
     author_reason reason; /* AUTHOR_REASON_NONE: holds */
+    bool compared;        /* place and correlation come from the pictures themselves */
     uint32_t matches, inliers;
     plane matrix;
     double ratio, contained;
@@ -140,8 +141,16 @@ typedef struct edge {
     double spread; /* expected error of a corner, in pixels of fine */
 } edge;
 
-/* Features, and the homography that most of them follow. */
-author_result pair_match(author_run *run, const author_vision *vision, const photo *photos, edge *e);
+/* Where a pair may lie: those that hold first, and of these that with the most inliers. At least one. */
+enum { PAIR_PLACES = 3 };
+typedef struct pair_places {
+    edge edges[PAIR_PLACES];
+    size_t count;
+} pair_places;
+
+/* Features, and the homographies that many of them follow. Which of the two is the finer one is found, too. */
+author_result pair_match(author_run *run, const author_vision *vision, const photo *photos, const edge *e,
+                         pair_places *out);
 /* Matches again, both pictures at the coarse one's resolution, each feature near where the matrix puts it. */
 author_result pair_match_again(author_run *run, const author_vision *vision, const photo *photos, edge *e);
 
@@ -172,6 +181,11 @@ typedef struct edge_list {
 
 /* Room for one more edge; NULL without memory. */
 edge *edge_append(author_run *run, edge_list *list);
+
+/* Pairs that may hold, by coarse, then fine (which of the two is which is not known yet): for each picture the `wanted` best candidates.
+ * memory: bytes that it may take, about (zipmap_select.c). */
+author_result select_pairs(author_run *run, const author_vision *vision, const photo *photos, size_t count,
+                           uint32_t wanted, uint64_t memory, edge_list *out);
 
 /* Edges that follow from others by way of third pictures and would give a picture a finer parent; not tested yet. */
 author_result graph_propose(author_run *run, const photo *photos, size_t count, const edge_list *list,

@@ -11,6 +11,8 @@ enum {
     MOST_PHOTOS = 4096,
     FEATURE_TEXELS = 2000000, /* of the picture that features are sought in */
     FEATURES = 16000,         /* of one picture, at most */
+    FEW_FEATURES = 2000,      /* of one picture, however many pictures there are */
+    FEATURE_BYTES = 800,      /* with its descriptor and its share of the index */
     TEST_TEXELS = 40000,      /* that decide whether a pair holds */
     FINAL_TEXELS = 200000,    /* that the matrices of the result come from */
     LUMA_BYTES = 6            /* of one texel in a pyramid, with all levels */
@@ -26,6 +28,7 @@ typedef struct job {
     const author_photos *named;
     author_register_options options;
     uint64_t max_texels;
+    uint32_t max_features;
     photo *photos;
     size_t count;
     edge_list edges;
@@ -59,7 +62,7 @@ static author_result find_features(author_run *run, const job *j, photo *p) {
     if (result == AUTHOR_OK)
         result = luma_bytes(run, &level, &bytes);
     if (result == AUTHOR_OK &&
-        j->vision->detect(bytes, level.width, level.height, FEATURES, &p->features, run->error) != 0)
+        j->vision->detect(bytes, level.width, level.height, j->max_features, &p->features, run->error) != 0)
         result = AUTHOR_INTERNAL;
     free(level.texels);
     free(bytes);
@@ -88,15 +91,32 @@ static author_result prepare_task(void *context, size_t i, unsigned worker, char
 
 /* ---- pairs -------------------------------------------------------------------------------------------------- */
 
-static author_result match_pair(author_run *run, const job *j, edge *e) {
-    author_result result = pair_match(run, j->vision, j->photos, e);
-    if (result != AUTHOR_OK || e->reason != AUTHOR_REASON_NONE)
-        return result;
+/* Whether the pair lies where the features say. */
+static author_result test_place(author_run *run, const job *j, edge *e) {
+    author_result result = AUTHOR_OK;
     if (e->inliers < (e->ratio > GUIDED_RATIO ? VERY_SURE : SURE))
         result = pair_match_again(run, j->vision, j->photos, e);
     if (result == AUTHOR_OK)
         result = pair_refine(run, j->photos, &j->options, TEST_TEXELS, e);
     return result == AUTHOR_OK && e->reason == AUTHOR_REASON_NONE ? pair_unique(run, j->photos, e) : result;
+}
+
+static author_result match_pair(author_run *run, const job *j, edge *e) {
+    pair_places places;
+    author_result result = pair_match(run, j->vision, j->photos, e, &places);
+    if (result != AUTHOR_OK)
+        return result;
+    *e = places.edges[0];
+    for (size_t i = 0; i < places.count && places.edges[i].reason == AUTHOR_REASON_NONE; i++) {
+        edge *tested = &places.edges[i];
+        result = test_place(run, j, tested);
+        bool known = tested->reason == AUTHOR_REASON_NONE || tested->reason == AUTHOR_REASON_AMBIGUOUS;
+        if (known || i == 0)
+            *e = *tested;
+        if (known || result != AUTHOR_OK)
+            return result;
+    }
+    return AUTHOR_OK;
 }
 
 static author_result match_task(void *context, size_t i, unsigned worker, char *error) {
@@ -128,7 +148,7 @@ static author_result place_task(void *context, size_t i, unsigned worker, char *
     return result;
 }
 
-static author_result match_all(author_run *run, job *j) {
+static author_result list_all(author_run *run, job *j) {
     for (uint32_t a = 0; a < j->count; a++)
         for (uint32_t b = a + 1; b < j->count; b++) {
             edge *e = edge_append(run, &j->edges);
@@ -137,8 +157,17 @@ static author_result match_all(author_run *run, job *j) {
             e->coarse = a;
             e->fine = b;
         }
+    return AUTHOR_OK;
+}
+
+static author_result match_all(author_run *run, job *j) {
+    uint32_t wanted = j->options.candidates;
+    bool all = wanted ? wanted >= j->count - 1 : j->count <= AUTHOR_FEW_PHOTOS;
+    author_result result = all ? list_all(run, j)
+                               : select_pairs(run, j->vision, j->photos, j->count, wanted ? wanted : AUTHOR_CANDIDATES,
+                                              j->options.memory / 4, &j->edges);
     j->work = j->edges.edges;
-    return author_for(run, "pairs", j->edges.count, match_task, j);
+    return result == AUTHOR_OK ? author_for(run, "pairs", j->edges.count, match_task, j) : result;
 }
 
 /* Pairs that features did not find, but that follow from others. */
@@ -274,6 +303,8 @@ author_result author_register(author_run *run, const author_vision *vision, cons
         return author_fail(run, AUTHOR_BAD_INPUT, "%zu photographs: give 1 to %d", photos->count, MOST_PHOTOS);
     job j = {.vision = vision, .named = photos, .options = options_of(options), .count = photos->count};
     j.max_texels = j.options.memory / LUMA_BYTES / photos->count;
+    j.max_features = (uint32_t)fmin(fmax((double)(j.options.memory / FEATURE_BYTES / photos->count), FEW_FEATURES),
+                                    FEATURES);
     j.photos = author_alloc(run, j.count, sizeof *j.photos);
     if (!j.photos)
         return AUTHOR_NO_MEMORY;

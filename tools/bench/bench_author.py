@@ -2,11 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """./dev bench author: are heaps of photographs put together rightly, how exactly, how well hidden are the seams, and at what cost?
 
-    ./dev bench author [--heaps N] [--large] [--write]
+    ./dev bench author [--heaps N] [--large] [--many] [--write]
 
 Makes N heaps (default 20) of 12 photographs with tools/bench/heap.py, runs `ztex make zipmap` on each, compares with the truth, and says of
 each bound whether it is met; the exit code is 1 when one is not. --large adds one heap of photographs of 12 megapixels, for time and memory,
-with one thread and with two. --write writes docs/author-bench.md. Heaps are kept in build/bench/heaps."""
+with one thread and with two, and its graph. --many throws six of the heaps together, and compares what `ztex` does with so many photographs with a
+comparison of all pairs. --write writes docs/author-bench.md. Heaps are kept in build/bench/heaps.
+
+    ./dev bench author --heaps 0 --large        the large heap alone (about five minutes to make it at first, then three)
+    ./dev bench author --large --many --write   everything"""
 import argparse
 import datetime
 import hashlib
@@ -14,6 +18,7 @@ import json
 import math
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import time
@@ -29,13 +34,15 @@ CORNERS = {'2x': (0.3, 1.0), '4x': (0.3, 1.0), '8x': (0.5, 2.0), '12x': (0.5, 2.
 STEPS = 1.0, 4.0, 1.0  # of 255: median and worst of the seams, mean colours
 WRONG_SHARE = 0.05     # of the heaps
 LARGE = 60.0, 3 * 1024  # seconds with two threads, MiB
+LARGE_WIDTH = 5300     # pixels across the root: the twelve photographs have about twelve megapixels each, in the mean
 FEWEST_PLACES = 16     # of a seam that counts
 
 
 def folder_of(kind, seed, **how):
     """The heap, made at first use."""
-    folder = HEAPS / f'{kind}_{seed}{"_large" if how else ""}'
+    folder = HEAPS / '_'.join([kind, str(seed), *map(str, how.values())])
     if not (folder / 'truth.json').exists():
+        shutil.rmtree(folder, ignore_errors=True)
         print(f'    making {folder}', file=sys.stderr)
         heap.make_heap(kind, seed, folder, **how)
     with open(folder / 'truth.json', encoding='utf-8') as file:
@@ -43,8 +50,12 @@ def folder_of(kind, seed, **how):
 
 
 def run(folder, truth, *words, reported=True):
-    """Exit code, seconds, peak MiB, report."""
+    """Exit code, seconds, peak MiB, report, seconds of the processors."""
     pictures = sorted(str(folder / picture['file']) for picture in truth['pictures'])
+    return run_pictures(folder, pictures, *words, reported=reported)
+
+
+def run_pictures(folder, pictures, *words, reported=True):
     out, report = folder / 'out.ztex', folder / 'report.json'
     report.unlink(missing_ok=True)
     start = time.monotonic()
@@ -53,7 +64,7 @@ def run(folder, truth, *words, reported=True):
     _, status, usage = os.wait4(process.pid, 0)
     seconds = time.monotonic() - start
     found = json.loads(report.read_text(encoding='utf-8')) if report.exists() else None
-    return os.waitstatus_to_exitcode(status), seconds, usage.ru_maxrss / 1024, found
+    return os.waitstatus_to_exitcode(status), seconds, usage.ru_maxrss / 1024, found, usage.ru_utime + usage.ru_stime
 
 
 def judge(truth, report):
@@ -129,9 +140,16 @@ def seam_table(results):
 
 
 def large_table(rows):
-    lines = ['| 12 photographs of 12 megapixels | seconds | peak MiB | bytes |', '|---|--:|--:|--:|']
-    return lines + [f'| {threads} thread{"s" if threads > 1 else ""} | {seconds:.1f} | {memory:.0f} | {size:,} |'
-                    for threads, seconds, memory, size in rows]
+    lines = ['| 12 photographs of 12 megapixels | seconds | seconds of the processors | peak MiB | bytes |', '|---|--:|--:|--:|--:|']
+    return lines + [f'| {threads} thread{"s" if threads > 1 else ""} | {seconds:.1f} | {busy:.1f} | {memory:.0f} | {size:,} |'
+                    for threads, seconds, busy, memory, size in rows]
+
+
+def many_table(many):
+    lines = ['| compared | pairs | of those that hold | of those of child and parent | children placed in their parent | seconds | seconds of the processors | '
+             'peak MiB |', '|---|--:|--:|--:|--:|--:|--:|--:|']
+    return lines + [f'| {row["text"]} | {row["pairs"]} | {row["held"]} | {row["edges"]} | {row["right"]} of {many["children"]} | '
+                    f'{row["seconds"]:.1f} | {row["busy"]:.1f} | {row["memory"]:.0f} |' for row in many['rows']]
 
 
 def processor():
@@ -157,7 +175,7 @@ def corner_bounds(results):
             yield bound(f'corner error, {kind}, worst', errors[-1], worst, 3)
 
 
-def bounds_of(results, large):
+def bounds_of(results, large, many):
     """Text and whether it is met, for each bound."""
     wrong = sum(bool(r['wrong']) for r in results)
     strangers = sum('distractor' in text or 'trap' in text for r in results for text in r['wrong'])
@@ -172,10 +190,14 @@ def bounds_of(results, large):
         yield bound('colour step of a seam, worst place', max(steps['worst'] for steps in after), STEPS[1])
         yield bound('mean colour', max(steps['mean'] for steps in after), STEPS[2])
     if large:
-        rows, same, _ = large
-        yield bound('large heap, seconds with 2 threads', rows[-1][1], LARGE[0], 1)
-        yield bound('large heap, MiB', max(row[2] for row in rows), LARGE[1], 0)
-        yield f'{"PASS" if same else "FAIL"}: large heap, one thread and two give the same bytes', same
+        yield bound('12 photographs of 12 megapixels, seconds with 2 threads', large['rows'][-1][1], LARGE[0], 1)
+        yield bound('12 photographs of 12 megapixels, peak MiB', max(row[3] for row in large['rows']), LARGE[1], 0)
+        yield bound('12 photographs of 12 megapixels, what differs from the right graph', len(large['wrong']), 0, 0)
+        yield f'{"PASS" if large["same"] else "FAIL"}: 12 photographs of 12 megapixels, one thread and two give the same bytes', large['same']
+    if many:
+        every, chosen = many['rows']
+        yield bound(f'{many["pictures"]} photographs, pairs of child and parent that a quick look loses', every['edges'] - chosen['edges'], 0, 0)
+        yield bound(f'{many["pictures"]} photographs, children that lose their place', every['right'] - chosen['right'], 0, 0)
 
 
 # --- the runs --------------------------------------------------------------------------------------
@@ -186,7 +208,7 @@ def run_heaps(count):
     for number in range(count):
         kind, seed = KINDS[number % len(KINDS)], number // len(KINDS) + 1
         folder, truth = folder_of(kind, seed)
-        status, seconds, memory, report = run(folder, truth, '--allow-many')
+        status, seconds, memory, report, _ = run(folder, truth, '--allow-many')
         wrong, placed = judge(truth, report) if report else ([f'exit code {status}'], [])
         children = sum(picture['role'] == 'child' for picture in truth['pictures'])
         results.append({'kind': kind, 'seed': seed, 'seconds': seconds, 'memory': memory, 'wrong': wrong, 'placed': placed,
@@ -196,20 +218,46 @@ def run_heaps(count):
 
 
 def run_large():
-    folder, truth = folder_of('mixed', 1, width=5000)
-    rows, sums = [], set()
+    folder, truth = folder_of('mixed', 1, width=LARGE_WIDTH)
+    rows, sums, words = [], set(), ['--allow-many', '--no-fsync', '--threads']
     for threads in (1, 2):
-        _, seconds, memory, _ = run(folder, truth, '--threads', str(threads), '--allow-many', '--no-fsync',
-                                    reported=False)
+        status, seconds, memory, _, busy = run(folder, truth, *words, str(threads), reported=False)
+        if status:
+            raise SystemExit(f'the large heap: exit code {status}')
         data = (folder / 'out.ztex').read_bytes()
         sums.add(hashlib.sha256(data).hexdigest())
-        rows.append((threads, seconds, memory, len(data)))
-        print(f'large, {threads} threads: {seconds:.1f} s, {memory:.0f} MiB', flush=True)
+        rows.append((threads, seconds, busy, memory, len(data)))
+        print(f'large, {threads} threads: {seconds:.1f} s, {busy:.1f} s of the processors, {memory:.0f} MiB', flush=True)
+    report = run(folder, truth, *words, '2')[3]
+    wrong, placed = judge(truth, report)
+    print(f'large: {"; ".join(wrong) or "right"}', flush=True)
     megapixels = sum(picture["size"][0] * picture["size"][1] for picture in truth["pictures"]) / 1e6
-    return rows, len(sums) == 1, megapixels
+    return {'rows': rows, 'same': len(sums) == 1, 'megapixels': megapixels, 'wrong': wrong, 'placed': placed}
 
 
-def document(words, results, large, bounds):
+def run_many():
+    """Heaps of all kinds in one, compared pair by pair and as ztex does it by itself."""
+    pictures, children = [], {}
+    for kind in KINDS:
+        folder, truth = folder_of(kind, 1)
+        pictures += [str(folder / picture['file']) for picture in truth['pictures']]
+        children.update({str(folder / p['file']): str(folder / p['parent']) for p in truth['pictures'] if p['role'] == 'child'})
+    rows, held = [], []
+    for text, words in (('all pairs', ['--candidates', '4096']), ('candidates', [])):
+        # As little as possible beside the registration.
+        words = ['--allow-many', '--no-fsync', '--raw', '--levels', '1', '--colour', 'none', '--mask', 'none', '--threads', '2', *words]
+        _, seconds, memory, _, busy = run_pictures(HEAPS, sorted(pictures), *words, reported=False)
+        report = run_pictures(HEAPS, sorted(pictures), *words)[3]
+        names = [photo['file'] for photo in report['photographs']]
+        right = sum(photo['parent'] is not None and children.get(photo['file']) == names[photo['parent']] for photo in report['photographs'])
+        held.append({frozenset((names[pair['coarse']], names[pair['fine']])) for pair in report['pairs'] if pair['accepted']})
+        rows.append({'text': text, 'pairs': len(report['pairs']), 'held': len(held[-1] & held[0]), 'right': right, 'seconds': seconds,
+                     'edges': sum(frozenset(edge) in held[-1] for edge in children.items()), 'busy': busy, 'memory': memory})
+        print(f'many, {text}: {rows[-1]}', flush=True)
+    return {'rows': rows, 'pictures': len(pictures), 'children': len(children)}
+
+
+def document(words, results, large, many, bounds):
     right = sum(not result['wrong'] for result in results)
     strangers = sum('distractor' in text or 'trap' in text for result in results for text in result['wrong'])
     lines = ['# Heaps of photographs: how right, how exact, at what cost', '',
@@ -228,11 +276,17 @@ def document(words, results, large, bounds):
              '## Heaps', '',
              *heap_table(results), '']
     if large:
-        rows, same, megapixels = large
         lines += ['## Twelve photographs of twelve megapixels', '',
-                  f'A heap of the kind mixed, {megapixels:.0f} megapixels together; the photographs behind have fewer pixels, so that most views are '
-                  'enlarged. The time is without a report.', '', *large_table(rows), '',
-                  f'One thread and two give {"the same bytes" if same else "DIFFERENT bytes"}.', '']
+                  f'A heap of the kind mixed, {large["megapixels"]:.0f} megapixels together; the photographs behind have fewer pixels, so that most '
+                  'views are enlarged. The time is without a report. Corner error, pixels of the child, median and worst: '
+                  f'{median_worst([c["error"] for c in large["placed"]]).replace(" |", ",")}.', '', *large_table(large['rows']), '',
+                  f'One thread and two give {"the same bytes" if large["same"] else "DIFFERENT bytes"}. What differs from the right graph: '
+                  f'{"; ".join(large["wrong"]) or "nothing"}.', '']
+    if many:
+        lines += ['## Many photographs', '',
+                  f'The first heap of each kind, thrown together: {many["pictures"]} photographs. Either all pairs are compared, or, as ztex does it '
+                  'by itself with so many, each photograph with those that look most alike at a quick look. Colours, masks and coarser '
+                  'levels are left out of the time.', '', *many_table(many), '']
     return '\n'.join(lines)
 
 
@@ -240,14 +294,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--heaps', type=int, default=20)
     parser.add_argument('--large', action='store_true')
+    parser.add_argument('--many', action='store_true')
     parser.add_argument('--write', action='store_true')
     words = parser.parse_args()
+    if words.write and not words.heaps:
+        parser.error('--write needs heaps: the document is about them')
     if not all(os.path.exists(path) for path in heap.PHOTOS):
         subprocess.run(['bash', 'tools/bench/setup.sh'], check=True)
     results = run_heaps(words.heaps)
     large = run_large() if words.large else None
-    bounds = list(bounds_of(results, large))
-    text = document(sys.argv[1:], results, large, bounds)
+    many = run_many() if words.many else None
+    bounds = list(bounds_of(results, large, many))
+    text = document(sys.argv[1:], results, large, many, bounds)
     print('\n' + text)
     if words.write:
         Path('docs/author-bench.md').write_text(text, encoding='utf-8')

@@ -8,14 +8,19 @@ The thing is a real photograph (Debian packages, PHOTOS below) with others on it
 closer to. A virtual camera looks at it through a homography: any rotation, perspective, and its own exposure, white balance,
 vignetting, blur, noise and JPEG. Everything is averaged over a pixel's area, in linear light. FOLDER gets the pictures, and truth.json:
 for each its role, its parent and the matrix from the parent's coordinates (0 to 1) to its own. Equal seeds give equal pictures.
+FOLDER appears when all is there. Until then pictures are in FOLDER.part, where the next run goes on if this one is stopped.
 
 Kinds: 2x, 4x, 8x, 12x (how much finer a child is than its parent), chain (to 100x in steps), mixed.
 """
 import argparse
 import functools
+import hashlib
 import json
 import math
 import os
+import shutil
+import sys
+import time
 from dataclasses import dataclass, field
 
 import numpy
@@ -34,7 +39,10 @@ WIDTHS = {'2x': 1000, '4x': 1200, '8x': 1600, '12x': 2000, 'chain': 1400, 'mixed
 CHAIN = (4.8, 4.6, 4.6)  # 101.6 together
 LONGEST = 5700           # pixels of a photograph's edge that are kept
 SUPERSAMPLE = 2          # lookups along each side of a pixel
+CHUNK = 2 ** 14          # lookups at a time that fit the cache
+BAND = 2 ** 19           # lookups or values that are held at once, beside the photographs and one picture
 DETAIL = 0.006           # see detail_at
+MOST_ROWS = 1000         # that it looks at all of
 MARGIN = 0.04            # of the parent, that a child keeps away from its edge
 LEAST = 1.1, 0.6         # a parent is at least so much coarser, and contains this share
 
@@ -89,9 +97,14 @@ class Photo:
         left, top = x.astype(numpy.int32), y.astype(numpy.int32)
         fx, fy = (x - left).astype(numpy.float32)[:, None], (y - top).astype(numpy.float32)[:, None]
         flat, at = texels.reshape(-1, 3), top * width + left
-        upper = flat[at] * (1 - fx) + flat[at + 1] * fx
-        lower = flat[at + width] * (1 - fx) + flat[at + width + 1] * fx
-        return upper * (1 - fy) + lower * fy
+        out = numpy.empty((at.size, 3), numpy.float32)
+        for i in range(0, at.size, CHUNK):
+            part = slice(i, i + CHUNK)
+            a, x, y = at[part], fx[part], fy[part]
+            upper = flat.take(a, 0) * (1 - x) + flat.take(a + 1, 0) * x
+            lower = flat.take(a + width, 0) * (1 - x) + flat.take(a + width + 1, 0) * x
+            out[part] = upper * (1 - y) + lower * y
+        return out
 
 
 # --- homographies --------------------------------------------------------------------------------------------
@@ -149,10 +162,26 @@ class World:
     def paste(self, photo, to_world):
         self.layers.append((photo, numpy.linalg.inv(to_world)))
 
-    def look_up(self, x, y, spacing):
-        """Colours at world coordinates; spacing is the distance of neighbouring lookups."""
+    def seen(self, x, y):
+        """Numbers of the layers that a convex quadrilateral can show, when its corners are given."""
+        numbers = [0]
+        for number, (_, matrix) in enumerate(self.layers[1:], 1):
+            w = matrix[2] @ [x, y, numpy.ones(x.size)]
+            if w.min() <= 0 <= w.max():  # over the horizon of what is far away
+                numbers.append(number)
+                continue
+            u, v = apply(matrix, x, y)
+            if u.min() >= 0 and u.max() <= 1 and v.min() >= 0 and v.max() <= 1:
+                numbers = []  # nothing below
+            if u.max() >= 0 and u.min() <= 1 and v.max() >= 0 and v.min() <= 1:
+                numbers.append(number)
+        return numbers
+
+    def look_up(self, x, y, spacing, numbers=None):
+        """Colours at world coordinates; spacing is the distance of neighbouring lookups. numbers: of the layers to look at."""
         out = numpy.zeros((x.size, 3), numpy.float32)
-        for number, (photo, matrix) in enumerate(self.layers):
+        for number in range(len(self.layers)) if numbers is None else numbers:
+            photo, matrix = self.layers[number]
             u, v = apply(matrix, x, y)
             inside = (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1) if number else numpy.ones(x.size, bool)
             if not inside.any():
@@ -205,27 +234,55 @@ def expose(view):
     n, out = SUPERSAMPLE, numpy.empty((view.height, view.width, 3), numpy.float32)
     spacing = 1 / (view.pixels_per_length(*view.centre()) * n)
     u = (numpy.arange(view.width * n) + 0.5) / (view.width * n)
-    band = max(1, 2 ** 19 // (view.width * n * n))
+    band = max(1, BAND // (view.width * n * n))
     for y in range(0, view.height, band):
         rows = min(band, view.height - y)
         v = (numpy.arange(y * n, (y + rows) * n) + 0.5) / (view.height * n)
         uu, vv = numpy.meshgrid(u, v)
         x, z = apply(view.to_world, uu.ravel(), vv.ravel())
-        fine = view.world.look_up(x, z, spacing).reshape(rows, n, view.width, n, 3)
+        corners = [0, len(u) - 1, -len(u), -1]
+        fine = view.world.look_up(x, z, spacing, view.world.seen(x[corners], z[corners])).reshape(rows, n, view.width, n, 3)
         out[y:y + rows] = fine.mean((1, 3))
     return out
 
 
+def blurred(picture, y, rows, sigma):
+    """Rows of the picture after the lens."""
+    radius = max(1, math.ceil(3 * sigma))
+    top, bottom = max(y - radius, 0), min(y + rows + radius, picture.shape[0])
+    part = blur_rows(picture[top:bottom], sigma)[y - top:y - top + rows]
+    return blur_rows(part.transpose(1, 0, 2), sigma).transpose(1, 0, 2)
+
+
+def bands(view):
+    """First row and number of rows."""
+    step = max(1, BAND // view.width)
+    return [(y, min(step, view.height - y)) for y in range(0, view.height, step)]
+
+
+def noise(view, random, rows):
+    return random.normal(0, view.camera['noise'], (rows, view.width, 3))
+
+
 def take(view, random):
     """The picture as 8-bit pixels."""
-    c, picture = view.camera, expose(view)
+    c, picture, out = view.camera, expose(view), numpy.empty((view.height, view.width, 3), numpy.uint8)
     x = (numpy.arange(view.width, dtype=numpy.float32) + 0.5) / view.width - 0.5
     y = ((numpy.arange(view.height, dtype=numpy.float32) + 0.5) / view.height - 0.5)[:, None] * view.height / view.width
-    picture *= (1 - c['vignette'] * (x * x + y * y) / 0.5)[..., None]
-    picture *= numpy.array(c['balance'], numpy.float32) * c['gain']
-    picture = blur_rows(blur_rows(picture, c['blur']).transpose(1, 0, 2), c['blur']).transpose(1, 0, 2)
-    coded = encode(picture) + random.normal(0, c['noise'], picture.shape)
-    return (numpy.clip(coded, 0, 1) * 255 + 0.5).astype(numpy.uint8)
+    for first, rows in bands(view):
+        part = picture[first:first + rows]
+        part *= (1 - c['vignette'] * (x * x + y[first:first + rows] ** 2) / 0.5)[..., None]
+        part *= numpy.array(c['balance'], numpy.float32) * c['gain']
+    for first, rows in bands(view):
+        coded = encode(blurred(picture, first, rows, c['blur'])) + noise(view, random, rows)
+        out[first:first + rows] = (numpy.clip(coded, 0, 1) * 255 + 0.5).astype(numpy.uint8)
+    return out
+
+
+def skip(view, random):
+    """Leaves chance as take() does."""
+    for _, rows in bands(view):
+        noise(view, random, rows)
 
 
 # --- heaps ---------------------------------------------------------------------------------------------------
@@ -258,10 +315,12 @@ def detail_at(world, view, parent):
     """How much is to be seen of the view in its parent: mean second difference of the parent's pixels there. What is smooth, as all
     that is out of focus, cannot be found again by anybody."""
     n = max(8, round(view.width * parent.pixels_per_length(*view.centre()) / view.pixels_per_length(*view.centre())))
-    u, v = grid(n)
-    x, y = apply(view.to_world, u, v)
-    grey = encode(world.look_up(x, y, 1 / parent.pixels_per_length(*view.centre()))).mean(1).reshape(n, n)
-    return float(numpy.abs(numpy.diff(grey, 2, axis=0)).mean() + numpy.abs(numpy.diff(grey, 2, axis=1)).mean())
+    # Of what is large, some rows with their neighbours.
+    v = numpy.arange(n)[None] if n <= MOST_ROWS else (numpy.arange(64)[:, None] * (n - 3) // 63 + numpy.arange(3))
+    uu, vv = numpy.meshgrid((numpy.arange(n) + 0.5) / n, (v.ravel() + 0.5) / n)
+    x, y = apply(view.to_world, uu.ravel(), vv.ravel())
+    grey = encode(world.look_up(x, y, 1 / parent.pixels_per_length(*view.centre()))).mean(1).reshape(*v.shape, n)
+    return float(numpy.abs(numpy.diff(grey, 2, axis=1)).mean() + numpy.abs(numpy.diff(grey, 2, axis=2)).mean())
 
 
 def zoom(random, world, parent, factor, width, poster, cover=(1.15, 1.5)):
@@ -426,17 +485,65 @@ def truth_of(views, names):
     return records
 
 
+class Progress:
+    """On a terminal: how far the work is, in the last line."""
+
+    def __init__(self, what, total):
+        self.what, self.total, self.begin = what, total, time.monotonic()
+
+    def show(self, done):
+        if sys.stderr.isatty():
+            print(f'\r{self.what}: {done} of {self.total} pictures, {time.monotonic() - self.begin:.0f} s', end='', file=sys.stderr, flush=True)
+
+    def end(self):
+        if sys.stderr.isatty():
+            print('\r\033[K', end='', file=sys.stderr, flush=True)
+
+
+def open_part(folder, recipe):
+    """FOLDER.part, with what an earlier run left there when it was about the same pictures."""
+    part, stamp = f'{folder}.part', os.path.join(f'{folder}.part', 'recipe')
+    if os.path.isdir(folder) and os.listdir(folder):
+        raise FileExistsError(f'{folder} is there already')
+    if os.path.exists(stamp):
+        with open(stamp, encoding='ascii') as file:
+            if file.read() == recipe:
+                return part
+    shutil.rmtree(part, ignore_errors=True)
+    os.makedirs(part)
+    with open(stamp, 'w', encoding='ascii') as file:
+        file.write(recipe)
+    return part
+
+
+def write_pictures(part, views, names, random, progress):
+    fresh = os.path.join(part, 'unfinished')
+    for number, (view, name) in enumerate(zip(views, names)):
+        progress.show(number)
+        path = os.path.join(part, name)
+        if os.path.exists(path):
+            skip(view, random)
+            continue
+        Image.fromarray(take(view, random)).save(fresh, 'JPEG', quality=view.camera['quality'], subsampling=0)
+        os.replace(fresh, path)
+    progress.end()
+
+
 def make_heap(kind, seed, folder, pictures=12, width=None, photos=None):
-    """Writes the heap; returns what truth.json says."""
-    os.makedirs(folder, exist_ok=True)
-    views, random = make_views(kind, seed, pictures, width or WIDTHS[kind], photos or PHOTOS)
+    """Writes the heap, whole or not at all; returns what truth.json says."""
+    width, photos, folder = width or WIDTHS[kind], photos or PHOTOS, os.fspath(folder).rstrip('/')
+    with open(os.path.abspath(__file__), 'rb') as file:
+        recipe = hashlib.sha256(file.read() + repr([kind, seed, pictures, width, photos]).encode()).hexdigest()
+    part = open_part(folder, recipe)
+    views, random = make_views(kind, seed, pictures, width, photos)
     # Neither the names nor their order shall help.
     names = [f'IMG_{number:04d}.jpg' for number in random.permutation(9000)[:len(views)] + 1000]
-    for view, name in zip(views, names):
-        Image.fromarray(take(view, random)).save(os.path.join(folder, name), quality=view.camera['quality'], subsampling=0)
+    write_pictures(part, views, names, random, Progress(os.path.basename(folder), len(views)))
     truth = {'kind': kind, 'seed': seed, 'pictures': truth_of(views, names)}
-    with open(os.path.join(folder, 'truth.json'), 'w', encoding='utf-8') as file:
+    with open(os.path.join(part, 'truth.json'), 'w', encoding='utf-8') as file:
         json.dump(truth, file, indent=1)
+    os.remove(os.path.join(part, 'recipe'))
+    os.replace(part, folder)
     return truth
 
 

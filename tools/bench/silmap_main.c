@@ -59,36 +59,46 @@ static void fit_uncut(job *j, author_run *run, const author_picture *picture, co
         bench_fail("fit", "there are cuts where none are drawn");
 }
 
-static void fit(job *j) {
-    author_run run = {0};
-    author_picture picture = truth_picture(&j->t, j->cells);
-    author_silmap_input input = {.picture = &picture};
-    author_silmap_options options = {.cells_x = j->cells, .cells_y = j->cells};
-    author_path *paths = NULL;
+/* Outlines are known exactly, as glyphs are. */
+static author_silmap_input input_of(const job *j, author_picture *picture) {
+    author_silmap_input input = {.picture = picture};
+    *picture = truth_picture(&j->t, j->cells);
     if (j->t.kind == TRUTH_OUTLINE) {
-        paths = paths_of(&j->t.outline);
-        input.paths = paths;
+        input.paths = paths_of(&j->t.outline);
         input.path_count = j->t.outline.contour_count;
         input.paths_only = 1;
     }
+    return input;
+}
+
+static void release_input(author_silmap_input *input, author_picture *picture) {
+    if (input->paths)
+        free((void *)(uintptr_t)input->paths[0].points);
+    free((void *)(uintptr_t)input->paths);
+    author_picture_release(picture);
+}
+
+static void fit(job *j) {
+    author_run run = {0};
+    author_picture picture;
+    author_silmap_input input = input_of(j, &picture);
+    author_silmap_options options = {.cells_x = j->cells, .cells_y = j->cells};
     if (author_silmap_fit(&run, &input, &options, &j->silmap) != AUTHOR_OK)
         bench_fail("fit", run.error);
     if (j->t.kind == TRUTH_PHOTO)
         fit_uncut(j, &run, &picture, &options);
-    if (paths)
-        free((void *)(uintptr_t)paths[0].points);
-    free(paths);
-    author_picture_release(&picture);
+    release_input(&input, &picture);
 }
 
 /* As `ztex make silmap --hint` does it: what is fitted moves if it is better so. All contestants get the drawing where it is then. */
 static void try_hint(job *j, truth again) {
     author_run run = {0};
     author_silmap_place place;
-    author_picture picture = truth_picture(&j->t, j->cells);
-    if (author_silmap_hint(&run, &picture, j->cells, j->cells, j->t.kind == TRUTH_OUTLINE, &place) != AUTHOR_OK)
+    author_picture picture;
+    author_silmap_input input = input_of(j, &picture);
+    if (author_silmap_hint(&run, &input, j->cells, j->cells, j->t.kind == TRUTH_OUTLINE, &place) != AUTHOR_OK)
         bench_fail("hint", run.error);
-    author_picture_release(&picture);
+    release_input(&input, &picture);
     job moved = {.t = again, .cells = j->cells};
     truth_place(&moved.t, &place);
     if (author_silmap_is_moved(&place))

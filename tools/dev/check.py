@@ -69,16 +69,19 @@ EXTERNALS = [
     ('fuzz/*', ('zstd.h', 'xxhash.h')),
     ('tools/*_cv.cpp', ('opencv2/*',)),
     ('tools/ztex/vector_drawing.c', ('cairo-svg.h', 'librsvg/rsvg.h')),
+    ('tools/ztex/vector_svg.c', ('glib.h',)),
     ('tools/ztex/vector_text.c', ('ft2build.h',)),
     # The peers of the codec benchmark.
     ('tools/bench/silmap_*', ('author_silmap.h', 'librsvg/rsvg.h')),
     ('tools/bench/codec_*.c', ('png.h', 'spng.h', 'qoi.h', 'webp/*', 'jxl/*', 'OpenEXR/openexr.h', 'zstd.h')),
     ('tools/bench/codec_zt.c', ('sched.h',)),
     ('tools/ztex/module.c', ('dlfcn.h',)),
+    ('tools/author/tests/pair_test.c', ('dlfcn.h',)),
     ('tools/author/tests/register_test.c', ('dlfcn.h',)),
+    ('tools/author/tests/select_test.c', ('dlfcn.h',)),
     # The authoring library.
     ('tools/ztex/*', ('author*.h',)),
-    ('tools/ztex/pyramid_dzi.c', ('expat.h',)),
+    ('tools/ztex/pyramid_xml.c', ('expat.h',)),
     ('tools/*', ('jansson.h', 'pthread.h')),
 ]
 

@@ -152,6 +152,10 @@ const zt_limits *cmd_limits(const cmd_args *args);
 /* The pool of --threads (default: the processors), opened at first use and closed by the frame. NULL: one thread. */
 const zt_parallel *cmd_parallel(cmd_args *args);
 
+/* Of "a|b|c": the position of a word, or -1; and all of them as "a, b, c". */
+int cmd_choice_index(const char *choices, const char *word);
+void cmd_choice_list(const char *choices, char *dst, size_t size);
+
 /* ---- messages ------------------------------------------------------------------------------------ */
 
 /* "ztex: " + text + newline on standard error; clears a progress line first. Texts from files go through cmd_safe. */

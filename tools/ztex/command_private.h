@@ -33,9 +33,6 @@ int cmd_parse_u64(const char *text, uint64_t *out);  /* 0, or -1 */
 int cmd_parse_size(const char *text, uint64_t *out); /* 0, or -1 */
 /* The index-th word of "a|b|c" into dst; 0, or -1 behind the last. */
 int cmd_choice_word(const char *choices, int index, char *dst, size_t size);
-/* "a, b, c" */
-void cmd_choice_list(const char *choices, char *dst, size_t size);
-int cmd_choice_index(const char *choices, const char *word); /* -1: none */
 
 /* progress.c */
 void cmd_signals_install(void);

@@ -135,7 +135,7 @@ static uint32_t full_levels(const zt_image_info *info) {
     return levels;
 }
 
-/* Sets levels and given_levels. */
+/* Sets levels, and how they are made. */
 static int plan_levels(const convert_job *job, uint32_t image, const convert_use *use, convert_plan *plan) {
     uint32_t full = full_levels(&plan->from), wanted = job->levels ? job->levels : plan->from.levels;
     const zt_format_info *format = zt_find_format(plan->to.format);
@@ -146,7 +146,6 @@ static int plan_levels(const convert_job *job, uint32_t image, const convert_use
         wanted = full;
     int make = job->rebuild || wanted > plan->from.levels;
     plan->to.levels = wanted;
-    plan->to.given_levels = 1;
     if (use->is_samples)
         plan->to.levels = plan->from.levels;
     if (!make || use->is_samples)
@@ -170,21 +169,8 @@ int convert_plan_image(convert_job *job, uint32_t image, convert_plan *plan) {
     memset(plan, 0, sizeof *plan);
     if (zt_get_image(job->input.file, image, from) != ZT_OK)
         return cmd_fail(CMD_INTERNAL, "%s: there is no image %u", job->input.name, (unsigned)image);
-    plan->to = (zt_image_desc){.format = from->format,
-                               .width = from->width,
-                               .height = from->height,
-                               .depth = from->depth,
-                               .layers = from->layers,
-                               .tile_edge = job->tile_edge ? job->tile_edge : from->tile_edge,
-                               .alpha_mode = (zt_alpha)from->alpha_mode,
-                               .layer_kind = (zt_layer_kind)from->layer_kind,
-                               .primaries = from->primaries,
-                               .transfer = from->transfer};
-    if (!zt_find_format(from->format)) {
-        plan->to.block_width = from->block_width;
-        plan->to.block_height = from->block_height;
-        plan->to.block_bytes = from->block_bytes;
-    }
+    zt_describe_image(from, &plan->to);
+    plan->to.tile_edge = job->tile_edge ? job->tile_edge : from->tile_edge;
     int status = wants_format(job, use) ? plan_format(job, image, use, plan) : CMD_OK;
     if (status == CMD_OK)
         status = plan_levels(job, image, use, plan);

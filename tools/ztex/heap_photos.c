@@ -87,7 +87,9 @@ int heap_register(heap *h) {
     for (size_t i = 0; i < h->count; i++)
         list[i] = (author_photo){h->photos[i].path, h->photos[i].width, h->photos[i].height};
     author_photos photos = {.photos = list, .count = h->count, .load = load, .user = h};
-    author_register_options options = {.size = sizeof options, .memory = cmd_limits(h->args)->memory};
+    author_register_options options = {.size = sizeof options,
+                                       .memory = cmd_limits(h->args)->memory,
+                                       .candidates = (uint32_t)cmd_integer(h->args, "candidates")};
     author_result result = author_register(&run, vision, &photos, &options, &h->found);
     make_stages_end(&stages);
     return make_author_status(result, &run);

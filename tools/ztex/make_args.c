@@ -68,14 +68,6 @@ int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint
     return CMD_OK;
 }
 
-int make_read_tile_edge(const cmd_args *args, int *edge) {
-    uint64_t value = cmd_integer(args, "tile-edge");
-    if ((value & (value - 1)) != 0)
-        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)value);
-    *edge = cmd_given(args, "tile-edge") ? (int)value : 0;
-    return CMD_OK;
-}
-
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path) {
     const char *given = cmd_text(args, "name");
     const char *slash = strrchr(path, '/');
@@ -86,7 +78,8 @@ const char *make_texture_name(const cmd_args *args, make_scene *scene, const cha
     if (args->operand_count > 0 && strcmp(args->operands[0], "-") == 0)
         return "";
     size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
-    if (slash && strcmp(base, "info.json") == 0) { /* a IIIF picture has its folder's name */
+    if (slash && (strcmp(base, "info.json") == 0 || strcmp(base, "ImageProperties.xml") == 0)) {
+        /* pictures of IIIF and Zoomify have their folder's name */
         for (length = 0, base = slash; base > path && base[-1] != '/'; base--)
             length++;
     }
@@ -95,13 +88,4 @@ const char *make_texture_name(const cmd_args *args, make_scene *scene, const cha
     json_t *valid = name ? json_string(name) : NULL;
     json_decref(valid);
     return valid ? name : "";
-}
-
-zt_writer_options make_writer_options(const cmd_args *args, cmd_progress *progress) {
-    return (zt_writer_options){.size = sizeof(zt_writer_options),
-                               .effort = (int)cmd_integer(args, "effort"),
-                               .raw_only = cmd_given(args, "raw") > 0,
-                               .flags = cmd_given(args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0,
-                               .user = progress,
-                               .progress = cmd_progress_step};
 }

@@ -4,12 +4,7 @@
 #define ZTEX_MAKE_ARGS_H
 
 #include "make.h"
-
-#define MAKE_OPTION_OUTPUT                                                       \
-    {                                                                            \
-        .name = "output", .letter = 'o', .metavar = "FILE", .kind = CMD_TEXTURE, \
-        .help = "The texture file to write; - is standard output. Required."     \
-    }
+#include "write_args.h"
 
 #define MAKE_OPTION_NAME                                                                    \
     {                                                                                       \
@@ -25,10 +20,11 @@
                 "converted where the format's coding differs."                                        \
     }
 
-#define MAKE_OPTION_WRAP                                                                                               \
+/* Of these modes MODE is the default. MORE: what the help says besides. */
+#define MAKE_OPTION_WRAP(MODE, MORE)                                                                                   \
     {                                                                                                                  \
         .name = "wrap", .letter = 'w', .metavar = "MODE", .kind = CMD_CHOICE, .choices = "repeat|mirror|clamp|border", \
-        .fallback = "repeat", .help = "How the texture goes on beyond its edges."                                      \
+        .fallback = MODE, .help = "How the texture goes on beyond its edges." MORE                                     \
     }
 
 #define MAKE_OPTION_LEVELS                                                                            \
@@ -72,12 +68,6 @@
         .help = "Effort of the compression: 1 is fast, 9 is small, and tries other tile edges, too." \
     }
 
-#define MAKE_OPTION_RAW \
-    { .name = "raw", .help = "Do not compress." }
-
-#define MAKE_OPTION_NO_FSYNC \
-    { .name = "no-fsync", .help = "Do not wait for the disk, for temporary files and bulk jobs." }
-
 /* --meta, --license and --writer behind what scene->metadata has. */
 int make_add_metadata(const cmd_args *args, make_scene *scene);
 /* Who made the picture goes with it, into scene->metadata. Texts that are not UTF-8 stay behind. */
@@ -86,11 +76,7 @@ int make_copy_authorship(make_scene *scene, const char *path);
 int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint32_t *semantic, const char **path);
 /* --name, or the name of the picture at path without folder and extension; "" when the format does not allow it. */
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path);
-/* --tile-edge; 0 when it is not given: the library chooses, for block formats have smaller tiles. */
-int make_read_tile_edge(const cmd_args *args, int *edge);
 /* make_file.c: stores the scene. What it names are originals, which neither the output nor the report (NULL: there is none) may replace. */
 int make_file_of(cmd_args *args, const make_scene *scene, const char *output, const char *report);
-/* --effort, --raw and --no-fsync. */
-zt_writer_options make_writer_options(const cmd_args *args, cmd_progress *progress);
 
 #endif

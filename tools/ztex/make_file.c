@@ -65,7 +65,7 @@ int make_file_of(cmd_args *args, const make_scene *scene, const char *output, co
     if (status != CMD_OK)
         return status;
     cmd_progress_begin(&progress, args, "making");
-    zt_writer_options writer = make_writer_options(args, &progress);
+    zt_writer_options writer = write_options(args, &progress);
     status = make_store_scene(args, scene, output, &writer, &progress);
     cmd_progress_end(&progress);
     return status;

@@ -12,6 +12,17 @@
 #define TEXT_MOST (UINT32_C(1) << 20) /* bytes of a descriptor */
 #define TILE_BYTES (UINT64_C(1) << 30)
 
+static const struct kind {
+    const char *descriptor; /* its name, or a dot and its extension */
+    const char *format;
+    int (*make_plan)(const char *path, pyramid_plan *plan, char *error);
+    void (*name_tile)(const pyramid_plan *plan, const pyramid_tile *tile, char *name, size_t size);
+} kinds[] = {
+    [PYRAMID_DZI] = {".dzi", "deepzoom", pyramid_plan_dzi, pyramid_name_dzi},
+    [PYRAMID_IIIF] = {"info.json", "iiif", pyramid_plan_iiif, pyramid_name_iiif},
+    [PYRAMID_ZOOMIFY] = {"ImageProperties.xml", "zoomify", pyramid_plan_zoomify, pyramid_name_zoomify},
+};
+
 struct pyramid {
     pyramid_plan plan;
     img_info info;
@@ -26,8 +37,10 @@ static int fail(char *error, const char *text) {
 
 /* ---- for the kinds --------------------------------------------------------------------------------------- */
 
-uint32_t pyramid_reduce(uint32_t size, uint32_t level) {
-    return level > 31 ? 1 : (uint32_t)(((uint64_t)size + (UINT64_C(1) << level) - 1) >> level);
+uint32_t pyramid_reduce(const pyramid_plan *plan, uint32_t size, uint32_t level) {
+    uint64_t more = plan->round_down || level > 31 ? 0 : (UINT64_C(1) << level) - 1;
+    uint64_t reduced = level > 31 ? 0 : (size + more) >> level;
+    return reduced > 0 ? (uint32_t)reduced : 1;
 }
 
 char *pyramid_read_text(const char *path, size_t *size, char *error) {
@@ -73,18 +86,46 @@ int pyramid_check_size(const pyramid_plan *plan, char *error) {
 
 int pyramid_tile_path(const pyramid_plan *plan, const pyramid_tile *tile, char *path) {
     char name[256];
-    if (plan->kind == PYRAMID_DZI)
-        pyramid_name_dzi(plan, tile, name, sizeof name);
-    else
-        pyramid_name_iiif(plan, tile, name, sizeof name);
+    kinds[plan->kind].name_tile(plan, tile, name, sizeof name);
     int length = snprintf(path, PYRAMID_PATH, "%s%s", plan->folder, name);
     return length > 0 && length < PYRAMID_PATH ? 0 : -1;
+}
+
+int pyramid_take_folder(const char *path, pyramid_plan *plan, char *error) {
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash + 1 - path) : 0;
+    if (length >= sizeof plan->folder)
+        return fail(error, "the path is too long");
+    memcpy(plan->folder, path, length);
+    plan->folder[length] = '\0';
+    plan->shown = length;
+    return 0;
+}
+
+int pyramid_find_tile(pyramid_plan *plan, const pyramid_tile *tile, unsigned namings, char *error) {
+    static const char *const extensions[] = {"jpg", "png", "webp", "tif", "gif", "jp2"};
+    char path[PYRAMID_PATH];
+    struct stat status;
+    for (unsigned i = 0; i < namings * sizeof extensions / sizeof extensions[0]; i++) {
+        plan->naming = i % namings;
+        snprintf(plan->extension, sizeof plan->extension, "%s", extensions[i / namings]);
+        if (pyramid_tile_path(plan, tile, path) == 0 && stat(path, &status) == 0)
+            return 0;
+    }
+    plan->naming = 0;
+    snprintf(plan->extension, sizeof plan->extension, "jpg");
+    if (pyramid_tile_path(plan, tile, path))
+        return fail(error, "the names of the tiles are too long");
+    snprintf(error, IMG_ERROR,
+             "there is no first tile, such as %.120s: only folders with all tiles as files can be read, not servers",
+             path + plan->shown);
+    return -1;
 }
 
 /* ---- tiles ---------------------------------------------------------------------------------------------------- */
 
 static pyramid_tile tile_at(const pyramid_plan *plan, uint32_t level, uint32_t column, uint32_t row) {
-    uint32_t width = pyramid_reduce(plan->width, level), height = pyramid_reduce(plan->height, level);
+    uint32_t width = pyramid_reduce(plan, plan->width, level), height = pyramid_reduce(plan, plan->height, level);
     pyramid_tile t = {.level = level, .column = column, .row = row};
     t.x = column * plan->tile_width;
     t.y = row * plan->tile_height;
@@ -128,9 +169,9 @@ static uint32_t overlap_behind(const pyramid_plan *plan, uint64_t end, uint32_t 
 /* The tile with its overlap: how large the file has to be. */
 static void stored_size(const pyramid_plan *plan, const pyramid_tile *t, uint32_t *width, uint32_t *height) {
     *width = overlap_before(plan, t->column) + t->width +
-             overlap_behind(plan, (uint64_t)t->x + t->width, pyramid_reduce(plan->width, t->level));
+             overlap_behind(plan, (uint64_t)t->x + t->width, pyramid_reduce(plan, plan->width, t->level));
     *height = overlap_before(plan, t->row) + t->height +
-              overlap_behind(plan, (uint64_t)t->y + t->height, pyramid_reduce(plan->height, t->level));
+              overlap_behind(plan, (uint64_t)t->y + t->height, pyramid_reduce(plan, plan->height, t->level));
 }
 
 static int check_tile(const pyramid *p, const pyramid_tile *tile, const img_info *info, const char *path, char *error) {
@@ -167,7 +208,7 @@ static int copy_tile(pyramid *p, const pyramid_tile *tile, unsigned char *dst, s
 }
 
 int pyramid_read(pyramid *p, uint32_t level, uint32_t tile_row, void *dst, char *error) {
-    uint32_t width = pyramid_reduce(p->plan.width, level);
+    uint32_t width = pyramid_reduce(&p->plan, p->plan.width, level);
     unsigned char *to = dst;
     for (uint32_t x = 0, column = 0; x < width; column++) {
         pyramid_tile tile = tile_at(&p->plan, level, column, tile_row);
@@ -180,18 +221,19 @@ int pyramid_read(pyramid *p, uint32_t level, uint32_t tile_row, void *dst, char 
 
 /* ---- opening ---------------------------------------------------------------------------------------------------- */
 
-static const char *ending(const char *path) {
+/* NULL: a picture of another kind. */
+static const struct kind *find_kind(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
-    return dot ? dot : "";
-}
-
-static int is_iiif(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return strcmp(slash ? slash + 1 : path, "info.json") == 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        const char *wanted = kinds[i].descriptor;
+        if (strcasecmp(wanted[0] == '.' && dot ? dot : name, wanted) == 0)
+            return &kinds[i];
+    }
+    return NULL;
 }
 
 int pyramid_is(const char *path) {
-    return strcasecmp(ending(path), ".dzi") == 0 || is_iiif(path);
+    return find_kind(path) != NULL;
 }
 
 static int open_first(pyramid *p, char *error) {
@@ -217,7 +259,7 @@ static int open_first(pyramid *p, char *error) {
     p->info.full_height = p->plan.height;
     p->info.orientation = 1;
     p->info.subimages = p->info.levels = 1;
-    snprintf(p->info.format, sizeof p->info.format, "%s", p->plan.kind == PYRAMID_DZI ? "deepzoom" : "iiif");
+    snprintf(p->info.format, sizeof p->info.format, "%s", kinds[p->plan.kind].format);
     return 0;
 }
 
@@ -227,7 +269,9 @@ pyramid *pyramid_open(const char *path, char *error) {
         fail(error, "out of memory");
         return NULL;
     }
-    int status = is_iiif(path) ? pyramid_plan_iiif(path, &p->plan, error) : pyramid_plan_dzi(path, &p->plan, error);
+    const struct kind *kind = find_kind(path);
+    p->plan.kind = (pyramid_kind)(kind - kinds);
+    int status = kind->make_plan(path, &p->plan, error);
     if (status == 0)
         status = open_first(p, error);
     if (status == 0)
@@ -252,8 +296,8 @@ uint32_t pyramid_levels(const pyramid *p) {
 }
 
 void pyramid_size(const pyramid *p, uint32_t level, uint32_t *width, uint32_t *height) {
-    *width = pyramid_reduce(p->plan.width, level);
-    *height = pyramid_reduce(p->plan.height, level);
+    *width = pyramid_reduce(&p->plan, p->plan.width, level);
+    *height = pyramid_reduce(&p->plan, p->plan.height, level);
 }
 
 uint32_t pyramid_tile_height(const pyramid *p) {

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* naming = whole + 2 * size + 8 * quality */
 enum { SIZES = 4, QUALITIES = 3, NAMINGS = 2 * SIZES * QUALITIES };
@@ -71,37 +70,20 @@ static int read_root(const json_t *root, pyramid_plan *plan, char *error) {
     return read_tiles(root, plan, error) ? -1 : pyramid_check_size(plan, error);
 }
 
-/* Tries the ways to write a name until a tile is there. */
 static int find_naming(pyramid_plan *plan, char *error) {
-    static const char *const extensions[] = {"jpg", "png", "webp", "tif", "gif", "jp2"};
     const pyramid_tile first = {
         .width = plan->width < plan->tile_width ? plan->width : plan->tile_width,
         .height = plan->height < plan->tile_height ? plan->height : plan->tile_height,
     };
-    char path[PYRAMID_PATH];
-    struct stat status;
     /* It cannot tell how a level of one tile is written, unless it is one itself. */
-    while (plan->levels > 1 && pyramid_reduce(plan->width, plan->levels - 1) <= plan->tile_width &&
-           pyramid_reduce(plan->height, plan->levels - 1) <= plan->tile_height)
+    while (plan->levels > 1 && pyramid_reduce(plan, plan->width, plan->levels - 1) <= plan->tile_width &&
+           pyramid_reduce(plan, plan->height, plan->levels - 1) <= plan->tile_height)
         plan->levels--;
-    for (unsigned i = 0; i < NAMINGS * sizeof extensions / sizeof extensions[0]; i++) {
-        plan->naming = i % NAMINGS;
-        snprintf(plan->extension, sizeof plan->extension, "%s", extensions[i / NAMINGS]);
-        if (pyramid_tile_path(plan, &first, path) == 0 && stat(path, &status) == 0)
-            return 0;
-    }
-    plan->naming = 0;
-    snprintf(plan->extension, sizeof plan->extension, "jpg");
-    pyramid_tile_path(plan, &first, path);
-    snprintf(error, IMG_ERROR,
-             "there is no first tile, such as %.120s: only folders with all tiles as files can be read, not servers",
-             path + plan->shown);
-    return -1;
+    return pyramid_find_tile(plan, &first, NAMINGS, error);
 }
 
 int pyramid_plan_iiif(const char *path, pyramid_plan *plan, char *error) {
-    const char *slash = strrchr(path, '/');
-    size_t size, length = slash ? (size_t)(slash + 1 - path) : 0;
+    size_t size;
     char *text = pyramid_read_text(path, &size, error);
     json_error_t trouble;
     if (!text)
@@ -112,17 +94,10 @@ int pyramid_plan_iiif(const char *path, pyramid_plan *plan, char *error) {
         snprintf(error, IMG_ERROR, "line %d: %.160s", trouble.line, trouble.text);
         return -1;
     }
-    plan->kind = PYRAMID_IIIF;
     int status = read_root(root, plan, error);
     json_decref(root);
-    if (status)
-        return status;
-    if (length >= sizeof plan->folder) {
-        snprintf(error, IMG_ERROR, "the path is too long");
+    if (status || pyramid_take_folder(path, plan, error))
         return -1;
-    }
-    memcpy(plan->folder, path, length);
-    plan->shown = length;
     return find_naming(plan, error);
 }
 

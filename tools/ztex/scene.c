@@ -18,20 +18,9 @@ static int read_layers(make_scene *scene, const json_t *object, const char *poin
                              "an object is wanted here: a semantic, such as base_colour, and its "
                              "image for each layer");
     json_object_foreach((json_t *)(uintptr_t)object, key, value) {
-        const char *at = make_string(scene, "%s/%s", pointer, key);
-        int semantic = cmd_semantic_number(key);
-        uint32_t layer = texture->layer_count;
-        if (!at)
-            return CMD_INTERNAL;
-        if (semantic < 0)
-            return make_complain(scene, at, "there is no semantic '%s': see 'ztex make --help'", key);
-        if (layer == MAKE_LAYERS)
-            return make_complain(scene, at, "a texture has at most %d layers", MAKE_LAYERS);
-        int status = scene_image(scene, value, at, defaults, &images[layer]);
+        int status = scene_layer(scene, value, pointer, key, defaults, texture, images);
         if (status != CMD_OK)
             return status;
-        texture->semantics[layer] = (uint32_t)semantic;
-        texture->layer_count = layer + 1;
     }
     return CMD_OK;
 }
@@ -194,44 +183,6 @@ static int read_tau(make_scene *scene, const json_t *object, const char *pointer
     return CMD_OK;
 }
 
-static int read_colour(make_scene *scene, const json_t *object, const char *pointer, make_patch *patch) {
-    const json_t *colour = json_object_get(object, "colour");
-    const char *at = make_string(scene, "%s/colour", pointer), *text;
-    if (!colour)
-        return CMD_OK;
-    int status = at ? scene_text(scene, colour, at, &text) : CMD_INTERNAL;
-    if (status != CMD_OK)
-        return status;
-    int number = scene_choice("none|gain|poisson", text);
-    if (number < 0)
-        return make_complain(scene, at, "there is no '%s': one of none, gain, poisson", text);
-    patch->colour = (make_colour)number;
-    return CMD_OK;
-}
-
-static int read_normals(make_scene *scene, const json_t *object, const char *pointer, make_patch *patch) {
-    const json_t *normals = json_object_get(object, "normals");
-    const char *at = make_string(scene, "%s/normals", pointer), *text;
-    if (!normals)
-        return CMD_OK;
-    int status = at ? scene_text(scene, normals, at, &text) : CMD_INTERNAL;
-    if (status != CMD_OK)
-        return status;
-    int number = scene_choice("y_up|y_down|keep", text);
-    if (number < 0)
-        return make_complain(scene, at, "there is no '%s': one of y_up, y_down, keep", text);
-    patch->normals = (make_normals)number;
-    return CMD_OK;
-}
-
-static int read_patch_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out) {
-    const json_t *value = json_object_get(object, name);
-    const char *at = make_string(scene, "%s/%s", pointer, name);
-    if (!at)
-        return CMD_INTERNAL;
-    return value ? scene_flag(scene, value, at, out) : CMD_OK;
-}
-
 /* A patch that shows a texture has no picture that could be worked on. */
 static int check_shown(make_scene *scene, const char *pointer, const make_patch *patch) {
     static const char *const names[] = {"colour", "prune", "bake_affine"};
@@ -252,19 +203,22 @@ static int check_shown(make_scene *scene, const char *pointer, const make_patch 
 /* What is done to the pictures of a patch behind the root. */
 static int read_treatment(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,
                           make_patch *patch) {
+    int colour = COLOUR_NONE, normals = NORMALS_Y_UP;
     int status = read_mask(scene, object, pointer, defaults, patch);
     if (status == CMD_OK)
         status = read_tau(scene, object, pointer, patch);
     if (status == CMD_OK)
-        status = read_colour(scene, object, pointer, patch);
+        status = scene_member_word(scene, object, pointer, "colour", "none|gain|poisson", &colour);
     if (status == CMD_OK)
-        status = read_normals(scene, object, pointer, patch);
+        status = scene_member_word(scene, object, pointer, "normals", "y_up|y_down|keep", &normals);
     if (status == CMD_OK)
-        status = read_patch_flag(scene, object, pointer, "separate_mask", &patch->separate_mask);
+        status = scene_member_flag(scene, object, pointer, "separate_mask", &patch->separate_mask);
     if (status == CMD_OK)
-        status = read_patch_flag(scene, object, pointer, "prune", &patch->prune);
+        status = scene_member_flag(scene, object, pointer, "prune", &patch->prune);
     if (status == CMD_OK)
-        status = read_patch_flag(scene, object, pointer, "bake_affine", &patch->bake_affine);
+        status = scene_member_flag(scene, object, pointer, "bake_affine", &patch->bake_affine);
+    patch->colour = (make_colour)colour;
+    patch->normals = (make_normals)normals;
     return status == CMD_OK && patch->texture != ZT_NONE ? check_shown(scene, pointer, patch) : status;
 }
 
@@ -272,19 +226,10 @@ static int read_treatment(make_scene *scene, const json_t *object, const char *p
 static int read_shown(make_scene *scene, const json_t *value, const char *pointer, const make_texture *texture,
                       make_patch *patch) {
     const char *at = make_string(scene, "%s/texture", pointer);
-    const char *text;
-    int status = at ? scene_text(scene, value, at, &text) : CMD_INTERNAL;
-    if (status != CMD_OK)
-        return status;
-    for (uint32_t t = 0; &scene->textures[t] < texture; t++) {
-        if (strcmp(scene->textures[t].name, text) != 0)
-            continue;
-        if (scene->textures[t].layer_count != texture->layer_count)
-            return make_complain(scene, at, "'%s' has another number of layers", text);
-        patch->texture = t;
-        return CMD_OK;
-    }
-    return make_complain(scene, at, "no earlier texture is named '%s'", text);
+    int status = at ? scene_earlier(scene, value, at, texture, &patch->texture) : CMD_INTERNAL;
+    if (status == CMD_OK && scene->textures[patch->texture].layer_count != texture->layer_count)
+        return make_complain(scene, at, "'%s' has another number of layers", json_string_value(value));
+    return status;
 }
 
 /* The images of a patch behind the root, in the order of the root's layers. */
@@ -320,7 +265,7 @@ static int read_root(make_scene *scene, const json_t *object, const char *pointe
                  "mask.");
         return status;
     }
-    status = read_patch_flag(scene, object, pointer, "prune", &patch->prune);
+    status = scene_member_flag(scene, object, pointer, "prune", &patch->prune);
     if (status == CMD_OK)
         status = read_sources(scene, object, pointer, defaults, texture, patch->images);
     return status == CMD_OK ? read_semantic(scene, object, pointer, texture) : status;
@@ -395,14 +340,10 @@ static int read_wrap(make_scene *scene, const json_t *object, const char *pointe
     if (!json_is_string(value) && (count < 2 || count > 3))
         return make_complain(scene, at, "a mode, or a list of two or three modes is wanted here");
     for (size_t i = 0; i < 3; i++) {
-        const char *text;
         const json_t *item = count ? json_array_get(value, i < count ? i : count - 1) : value;
-        int status = scene_text(scene, item, at, &text);
+        int wrap, status = scene_word(scene, item, at, "repeat|mirror|clamp|border", &wrap);
         if (status != CMD_OK)
             return status;
-        int wrap = scene_choice("repeat|mirror|clamp|border", text);
-        if (wrap < 0)
-            return make_complain(scene, at, "there is no '%s': one of repeat, mirror, clamp, border", text);
         texture->wrap[i] = (uint8_t)wrap;
     }
     return CMD_OK;

@@ -14,11 +14,18 @@ int scene_wholes(make_scene *scene, const json_t *value, const char *pointer, si
                  uint32_t *out);
 int scene_reals(make_scene *scene, const json_t *value, const char *pointer, size_t count, double *out);
 int scene_flag(make_scene *scene, const json_t *value, const char *pointer, int *out);
-/* A member that is one of the words in "a|b|c", or true or false; *out stays when it is not there. */
+/* The position of a word in "a|b|c". */
+int scene_word(make_scene *scene, const json_t *value, const char *pointer, const char *choices, int *out);
+/* A texture of the scene before this one, by name. */
+int scene_earlier(make_scene *scene, const json_t *value, const char *pointer, const make_texture *texture,
+                  uint32_t *out);
+/* A member, NULL when it is not there, and its pointer. */
+int scene_member(make_scene *scene, const json_t *object, const char *pointer, const char *name, const json_t **value,
+                 const char **at);
+/* A member that is a word, or true or false; *out stays when it is not there. */
 int scene_member_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
                       const char *choices, int *out);
 int scene_member_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out);
-int scene_choice(const char *choices, const char *word); /* position in "a|b|c", or -1 */
 
 /* The members of object that are options of images, into o; members that are not there leave o as it is. */
 int scene_options(make_scene *scene, const json_t *object, const char *pointer, make_options *o);
@@ -32,5 +39,8 @@ int scene_umbrellas(make_scene *scene, const json_t *value, const char *pointer,
                     make_texture *texture);
 int scene_image(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                 const make_image **out);
+/* One more layer of a texture: the member of the object at pointer whose name is the layer's semantic. images are those of its layers. */
+int scene_layer(make_scene *scene, const json_t *value, const char *pointer, const char *name,
+                const make_options *defaults, make_texture *texture, const make_image **images);
 
 #endif

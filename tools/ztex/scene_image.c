@@ -156,54 +156,61 @@ int scene_flag(make_scene *scene, const json_t *value, const char *pointer, int 
     return CMD_OK;
 }
 
-int scene_member_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
-                      const char *choices, int *out) {
-    const json_t *value = json_object_get(object, name);
-    const char *at = make_string(scene, "%s/%s", pointer, name), *word;
-    if (!at || !value)
-        return at ? CMD_OK : CMD_INTERNAL;
-    int status = scene_text(scene, value, at, &word);
+int scene_word(make_scene *scene, const json_t *value, const char *pointer, const char *choices, int *out) {
+    const char *word;
+    char list[256];
+    int status = scene_text(scene, value, pointer, &word);
     if (status != CMD_OK)
         return status;
-    *out = scene_choice(choices, word);
-    return *out >= 0 ? CMD_OK : make_complain(scene, at, "there is no '%s': one of %s", word, choices);
+    *out = cmd_choice_index(choices, word);
+    if (*out >= 0)
+        return CMD_OK;
+    cmd_choice_list(choices, list, sizeof list);
+    return make_complain(scene, pointer, "there is no '%s': one of %s", word, list);
+}
+
+int scene_earlier(make_scene *scene, const json_t *value, const char *pointer, const make_texture *texture,
+                  uint32_t *out) {
+    const char *text;
+    int status = scene_text(scene, value, pointer, &text);
+    if (status != CMD_OK)
+        return status;
+    for (uint32_t t = 0; &scene->textures[t] < texture; t++)
+        if (strcmp(scene->textures[t].name, text) == 0) {
+            *out = t;
+            return CMD_OK;
+        }
+    return make_complain(scene, pointer, "no earlier texture is named '%s'", text);
+}
+
+/* ---- members of an object ---------------------------------------------------------------------------------- */
+
+int scene_member(make_scene *scene, const json_t *object, const char *pointer, const char *name, const json_t **value,
+                 const char **at) {
+    *value = json_object_get(object, name);
+    *at = make_string(scene, "%s/%s", pointer, name);
+    return *at ? CMD_OK : CMD_INTERNAL;
+}
+
+int scene_member_word(make_scene *scene, const json_t *object, const char *pointer, const char *name,
+                      const char *choices, int *out) {
+    const json_t *value;
+    const char *at;
+    int status = scene_member(scene, object, pointer, name, &value, &at);
+    return status == CMD_OK && value ? scene_word(scene, value, at, choices, out) : status;
 }
 
 int scene_member_flag(make_scene *scene, const json_t *object, const char *pointer, const char *name, int *out) {
-    const json_t *value = json_object_get(object, name);
-    const char *at = make_string(scene, "%s/%s", pointer, name);
-    if (!at || !value)
-        return at ? CMD_OK : CMD_INTERNAL;
-    return scene_flag(scene, value, at, out);
+    const json_t *value;
+    const char *at;
+    int status = scene_member(scene, object, pointer, name, &value, &at);
+    return status == CMD_OK && value ? scene_flag(scene, value, at, out) : status;
 }
 
 /* ---- options of images ------------------------------------------------------------------------------------ */
 
 static const char *const option_keys[] = {"format",    "alpha",      "transfer",         "primaries", "levels",
                                           "tile_edge", "mip_filter", "keep_orientation", NULL};
-
-/* A word out of "a|b|c". */
-static int option_word(make_scene *scene, const json_t *value, const char *pointer, const char *choices, int *out) {
-    const char *text;
-    int status = scene_text(scene, value, pointer, &text);
-    if (status != CMD_OK)
-        return status;
-    *out = scene_choice(choices, text);
-    if (*out < 0)
-        return make_complain(scene, pointer, "there is no '%s': one of %s", text, choices);
-    return CMD_OK;
-}
-
-int scene_choice(const char *choices, const char *word) {
-    size_t length = strlen(word);
-    for (int i = 0; choices; i++) {
-        if (strcspn(choices, "|") == length && strncmp(choices, word, length) == 0)
-            return i;
-        choices = strchr(choices, '|');
-        choices += choices != NULL;
-    }
-    return -1;
-}
 
 static int option_number(make_scene *scene, const json_t *value, const char *pointer,
                          int (*number_of)(const char *name), int *out) {
@@ -266,7 +273,7 @@ int scene_options(make_scene *scene, const json_t *object, const char *pointer, 
             status = option_format(scene, value, at, &o->format);
             break;
         case 1:
-            status = option_word(scene, value, at, "none|straight|premultiplied", &o->alpha);
+            status = scene_word(scene, value, at, "none|straight|premultiplied", &o->alpha);
             break;
         case 2:
             status = option_number(scene, value, at, cmd_transfer_number, &o->transfer);
@@ -281,7 +288,7 @@ int scene_options(make_scene *scene, const json_t *object, const char *pointer, 
             status = option_edge(scene, value, at, &o->tile_edge);
             break;
         case 6:
-            status = option_word(scene, value, at, "kaiser|mitchell|triangle|box", &o->mip_filter);
+            status = scene_word(scene, value, at, "kaiser|mitchell|triangle|box", &o->mip_filter);
             break;
         default:
             status = scene_flag(scene, value, at, &o->keep_orientation);
@@ -380,7 +387,7 @@ static int image_kind(make_scene *scene, const json_t *object, const char *point
     if (!value)
         return CMD_OK;
     const char *at = make_string(scene, "%s/as", pointer);
-    int status = at ? option_word(scene, value, at, "array|cube|frames|volume", &kind) : CMD_INTERNAL;
+    int status = at ? scene_word(scene, value, at, "array|cube|frames|volume", &kind) : CMD_INTERNAL;
     if (status != CMD_OK)
         return status;
     image->volume = kind == 3;
@@ -457,4 +464,21 @@ int scene_image(make_scene *scene, const json_t *value, const char *pointer, con
     image->files = file;
     image->file_count = 1;
     return image_file(scene, value, pointer, file);
+}
+
+int scene_layer(make_scene *scene, const json_t *value, const char *pointer, const char *name,
+                const make_options *defaults, make_texture *texture, const make_image **images) {
+    const char *at = make_string(scene, "%s/%s", pointer, name);
+    int semantic = cmd_semantic_number(name);
+    uint32_t layer = texture->layer_count;
+    if (!at)
+        return CMD_INTERNAL;
+    if (semantic < 0)
+        return make_complain(scene, at, "there is no semantic '%s': see 'ztex make --help'", name);
+    if (layer == MAKE_LAYERS)
+        return make_complain(scene, at, "a texture has at most %d layers", MAKE_LAYERS);
+    int status = scene_image(scene, value, at, defaults, &images[layer]);
+    texture->semantics[layer] = (uint32_t)semantic;
+    texture->layer_count = layer + (status == CMD_OK);
+    return status;
 }

@@ -109,19 +109,9 @@ static int read_layers(make_scene *scene, const json_t *object, const char *poin
     if (!json_is_object(layers))
         return scene_wrong_type(scene, at, layers, "an object");
     json_object_foreach((json_t *)(uintptr_t)layers, key, value) {
-        const char *place = make_string(scene, "%s/%s", at, key);
-        int semantic = cmd_semantic_number(key);
-        uint32_t layer = texture->layer_count;
-        if (!place)
-            return CMD_INTERNAL;
-        if (semantic < 0 || layer == MAKE_LAYERS)
-            return make_complain(scene, place,
-                                 semantic < 0 ? "there is no such semantic" : "there are too many layers");
-        int status = scene_image(scene, value, place, &plain, &texture->images[layer]);
+        int status = scene_layer(scene, value, at, key, &plain, texture, texture->images);
         if (status != CMD_OK)
             return status;
-        texture->semantics[layer] = (uint32_t)semantic;
-        texture->layer_count++;
     }
     return CMD_OK;
 }

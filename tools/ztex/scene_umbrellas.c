@@ -9,13 +9,6 @@
 
 /* ---- members of an object -------------------------------------------------------------------------------------- */
 
-int scene_member(make_scene *scene, const json_t *object, const char *pointer, const char *name, const json_t **value,
-                 const char **at) {
-    *value = json_object_get(object, name);
-    *at = make_string(scene, "%s/%s", pointer, name);
-    return *at ? CMD_OK : CMD_INTERNAL;
-}
-
 int scene_real(make_scene *scene, const json_t *object, const char *pointer, const char *name, double low, double high,
                double *out) {
     const json_t *value;
@@ -88,20 +81,6 @@ int scene_colour(make_scene *scene, const json_t *value, const char *pointer, fl
         out[c] = zt_transfer_decode(SRGB, (float)strtoul(pair, NULL, 16) / 255.0f);
     }
     return CMD_OK;
-}
-
-int scene_earlier(make_scene *scene, const json_t *value, const char *pointer, const make_texture *texture,
-                  uint32_t *out) {
-    const char *text;
-    int status = scene_text(scene, value, pointer, &text);
-    if (status != CMD_OK)
-        return status;
-    for (uint32_t t = 0; &scene->textures[t] < texture; t++)
-        if (strcmp(scene->textures[t].name, text) == 0) {
-            *out = t;
-            return CMD_OK;
-        }
-    return make_complain(scene, pointer, "no earlier texture is named '%s'", text);
 }
 
 /* ---- background ---------------------------------------------------------------------------------------------- */

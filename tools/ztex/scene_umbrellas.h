@@ -8,8 +8,6 @@
 #include "scene.h"
 #include "umbrellas.h"
 
-int scene_member(make_scene *scene, const json_t *object, const char *pointer, const char *name, const json_t **value,
-                 const char **at);
 int scene_real(make_scene *scene, const json_t *object, const char *pointer, const char *name, double low, double high,
                double *out);
 int scene_count(make_scene *scene, const json_t *object, const char *pointer, const char *name, uint32_t low,
@@ -19,9 +17,6 @@ int scene_range(make_scene *scene, const json_t *object, const char *pointer, co
                 author_range *out);
 /* "#rrggbb", or three numbers of linear light. */
 int scene_colour(make_scene *scene, const json_t *value, const char *pointer, float out[3]);
-/* A texture of the scene before this one, by name. */
-int scene_earlier(make_scene *scene, const json_t *value, const char *pointer, const make_texture *texture,
-                  uint32_t *out);
 
 /* scene_bases.c: the member "bases". */
 int scene_bases(make_scene *scene, const json_t *object, const char *pointer, const make_options *defaults,

@@ -14,6 +14,8 @@
 #define SILMAP_CELLS 64                       /* along the longer side, when nobody says */
 #define SILMAP_CELLS_MOST (UINT32_C(1) << 20) /* the format's limit along a side */
 
+#define SILMAP_REASON 256
+
 typedef enum silmap_mask {
     SILMAP_COLOURS = 0,
     SILMAP_ALPHA = 1,     /* one channel, the alpha */
@@ -32,6 +34,8 @@ typedef struct silmap_made {
     uint32_t width, height; /* of the picture that it was fitted to */
     author_silmap_place place;
     silmap_trial trial;
+    int exact;                    /* edges are those of paths */
+    char not_flat[SILMAP_REASON]; /* why a drawing's are not; empty: it is no drawing */
 } silmap_made;
 
 /* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is the font.
@@ -59,10 +63,13 @@ typedef struct silmap_source {
     author_path *paths;
     size_t path_count;
     double *points;
-    author_silmap_place place; /* of the page; of glyphs that of what they are without hinting */
-    int plain;                 /* values, no colours */
-    img_type type;             /* of the original */
-    uint32_t cells_x, cells_y; /* 0 with quality: as many as it needs */
+    author_silmap_shape *shapes; /* all paths belong to them */
+    size_t shape_count;
+    char not_flat[SILMAP_REASON]; /* why a drawing has none; else empty */
+    author_silmap_place place;    /* of the page; of glyphs that of what they are without hinting */
+    int plain;                    /* values, no colours */
+    img_type type;                /* of the original */
+    uint32_t cells_x, cells_y;    /* 0 with quality: as many as it needs */
 } silmap_source;
 
 /* One of a texture's pictures. */

@@ -65,6 +65,9 @@ static int put_json(const telling *report, FILE *stream) {
     json_object_set_new(object, "fitted_to", json_pack("[ii]", (int)report->made->width, (int)report->made->height));
     const author_silmap_place *place = &report->made->place;
     json_object_set_new(object, "place", json_pack("[ffff]", place->x, place->y, place->width, place->height));
+    json_object_set_new(object, "edges_from", json_string(report->made->exact ? "paths" : "texels"));
+    json_object_set_new(object, "not_flat",
+                        report->made->not_flat[0] ? json_string(report->made->not_flat) : json_null());
     json_object_set_new(object, "hint", hint_json(&report->made->trial));
     json_object_set_new(object, "psnr", decibel(r->psnr));
     json_object_set_new(object, "bilinear_psnr", decibel(r->bilinear_psnr));
@@ -177,6 +180,10 @@ static void put_figures(const telling *report, FILE *stream) {
             (unsigned)r->cells_y);
     fprintf(stream, "<tr><td>fitted to</td><td class=\"n\">%u x %u texels</td></tr>\n", (unsigned)report->made->width,
             (unsigned)report->made->height);
+    fprintf(stream, "<tr><td>edges</td><td class=\"n\">%s</td></tr>\n",
+            report->made->exact ? "exact, from paths" : "as in these texels");
+    if (report->made->not_flat[0])
+        fprintf(stream, "<tr><td>drawn supersampled, since</td><td class=\"n\">%s</td></tr>\n", report->made->not_flat);
     put_row(stream, "PSNR of the silmap", 2, " dB", r->psnr);
     put_row(stream, "of a bilinear texture of the same grid, texels by least squares", 2, " dB", r->bilinear_psnr);
     put_row(stream, "of one whose texels are means, as usual", 2, " dB", r->box_psnr);

@@ -15,6 +15,8 @@
 #define FREE_TEXELS 1024    /* the same where quality is wanted, which takes several tries */
 #define FREE_MARGIN 64      /* of glyphs then: this part of their longer side */
 #define FLAT_PIECES 64      /* of a cell: how far a curve may be off */
+#define SHAPE_PIECES 512    /* the same where it is all that is known */
+#define MOST_CROSSINGS 8e6  /* of lines with rows of pixels, before drawing them is left to librsvg */
 #define RATIO_OFF 0.01      /* of edges and picture, before somebody should know */
 #define MOST_CHARACTERS 1024
 #define OPAQUE 254 /* of 255: clips that end with the page round */
@@ -27,6 +29,7 @@ typedef struct loading {
     uint32_t semantic;
     int animated;   /* the picture is one of several */
     int keep_alpha; /* where it is opaque, too */
+    int exact;      /* a flat drawing as paths */
     const vector_module *vector;
     silmap_source *out;
     char error[DRAWING_ERROR];
@@ -79,9 +82,10 @@ static void choose_cells(const make_silmap *silmap, double width, double height,
     }
 }
 
-static double flatness(const silmap_source *source) {
+/* pieces: of a cell. */
+static double flatness(const silmap_source *source, int pieces) {
     uint32_t longer = source->cells_x > source->cells_y ? source->cells_x : source->cells_y;
-    return 1.0 / ((double)FLAT_PIECES * (longer ? longer : FREE_TEXELS / 2));
+    return 1.0 / ((double)pieces * (longer ? longer : FREE_TEXELS / 2));
 }
 
 /* Pixels to draw into: whole ones a cell, or many when the cells are not known. */
@@ -133,6 +137,22 @@ static float brightness(const float rgb[3]) {
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
 }
 
+/* The first channels of each texel, or one value made of all of them; in place. */
+static void narrow(author_picture *picture, uint32_t channels, silmap_mask mask) {
+    size_t count = (size_t)picture->width * picture->height;
+    uint32_t from = picture->channels;
+    for (size_t i = 0; i < count; i++) {
+        const float *texel = picture->texels + i * from;
+        float value = mask == SILMAP_ALPHA || from < 3 ? texel[mask == SILMAP_ALPHA ? from - 1 : 0] : brightness(texel);
+        if (mask == SILMAP_BRIGHTNESS && (from == 2 || from == 4))
+            value *= texel[from - 1];
+        memmove(picture->texels + i * channels, texel, channels * sizeof *texel);
+        if (mask != SILMAP_COLOURS)
+            picture->texels[i] = value;
+    }
+    picture->channels = channels;
+}
+
 /* One pixel, premultiplied and coded, as the fit wants it. */
 static void take_pixel(const loading *l, const uint8_t rgba[4], const float light[256], float *to) {
     uint32_t channels = l->out->picture.channels;
@@ -150,6 +170,17 @@ static void take_pixel(const loading *l, const uint8_t rgba[4], const float ligh
         to[3] = alpha;
 }
 
+/* A mask of alpha, if all of the drawing is opaque. */
+static int is_no_mask(const loading *l) {
+    return l->silmap->mask == SILMAP_ALPHA && !l->animated && !author_silmap_is_moved(&l->out->place);
+}
+
+static int complain_opaque(const loading *l) {
+    return make_complain(l->store->scene, l->texture->pointer,
+                         "%s is opaque all over: a mask of its alpha would be white. Its brightness may be meant",
+                         l->image->files[0].path);
+}
+
 static int take_pixels(loading *l, const uint8_t *rgba, uint32_t width, uint32_t height) {
     size_t count = (size_t)width * height, clear = 0;
     float light[256];
@@ -159,10 +190,8 @@ static int take_pixels(loading *l, const uint8_t *rgba, uint32_t width, uint32_t
         clear += rgba[4 * i + 3] < OPAQUE;
     int alpha = (clear || l->keep_alpha) && make_is_colour(l->semantic);
     uint32_t channels = l->silmap->mask != SILMAP_COLOURS ? 1 : alpha ? 4 : 3;
-    if (l->silmap->mask == SILMAP_ALPHA && !clear && !l->animated && !author_silmap_is_moved(&l->out->place))
-        return make_complain(l->store->scene, l->texture->pointer,
-                             "%s is opaque all over: a mask of its alpha would be white. Its brightness may be meant",
-                             l->image->files[0].path);
+    if (!clear && is_no_mask(l))
+        return complain_opaque(l);
     int status = create(l, width, height, channels);
     for (size_t i = 0; status == CMD_OK && i < count; i++)
         take_pixel(l, rgba + 4 * i, light, l->out->picture.texels + i * channels);
@@ -186,21 +215,137 @@ static int draw(loading *l, const vector_drawing *drawing, uint32_t width, uint3
     return status;
 }
 
-static int load_drawing(loading *l) {
-    const char *path = l->image->files[0].path;
-    vector_drawing *drawing;
+/* Of the picture's channels, for the fit. */
+static void take_colour(const loading *l, author_silmap_shape *shape) {
+    float coded[3] = {shape->colour[0], shape->colour[1], shape->colour[2]};
+    if (l->silmap->mask != SILMAP_COLOURS)
+        shape->colour[0] = l->silmap->mask == SILMAP_ALPHA ? 1.0f : brightness(coded);
+    for (int c = 0; c < 3 && l->silmap->mask == SILMAP_COLOURS && !l->out->plain; c++)
+        shape->colour[c] = zt_transfer_decode(13, coded[c]);
+}
+
+static int has_clear(const author_picture *picture) {
+    size_t count = (size_t)picture->width * picture->height * picture->channels;
+    for (size_t i = picture->channels - 1; i < count; i += picture->channels)
+        if (picture->texels[i] < OPAQUE / 255.0f)
+            return 1;
+    return 0;
+}
+
+static int draw_shapes(loading *l, uint32_t width, uint32_t height, uint32_t channels) {
+    silmap_source *out = l->out;
+    author_silmap_input input = {
+        .paths = out->paths, .path_count = out->path_count, .shapes = out->shapes, .shape_count = out->shape_count};
+    make_stages stages;
+    int status = create(l, width, height, channels);
+    if (status != CMD_OK)
+        return status;
+    author_run run = make_author_run(l->store->args, &stages);
+    author_result result = author_silmap_draw(&run, &input, out->plain, &out->picture);
+    make_stages_end(&stages);
+    return make_author_status(result, &run);
+}
+
+/* Whether the fit can take the picture of the shapes, without its alpha where that is not wanted. */
+static int settle_alpha(loading *l, int *flat) {
+    author_picture *picture = &l->out->picture;
+    int clear = has_clear(picture), colour = make_is_colour(l->semantic);
+    *flat = 1;
+    if (!clear && is_no_mask(l))
+        return complain_opaque(l);
+    if (l->silmap->mask != SILMAP_COLOURS || (colour && (clear || l->keep_alpha)))
+        return CMD_OK;
+    if (clear)
+        author_picture_release(picture);
+    else
+        narrow(picture, 3, SILMAP_COLOURS);
+    *flat = !clear;
+    return CMD_OK;
+}
+
+static void keep_shapes(silmap_source *source, const vector_shapes *shapes) {
+    source->paths = shapes->paths.paths;
+    source->points = shapes->paths.points;
+    source->path_count = shapes->paths.count;
+    source->shapes = shapes->shapes;
+    source->shape_count = shapes->count;
+}
+
+static void drop_shapes(silmap_source *source) {
+    static const vector_shapes none = {0};
+    free(source->paths);
+    free(source->points);
+    free(source->shapes);
+    keep_shapes(source, &none);
+}
+
+static double count_crossings(const vector_paths *all, uint32_t rows) {
+    double count = 0;
+    for (size_t p = 0; p < all->count; p++) {
+        const author_path *path = &all->paths[p];
+        for (size_t i = 0; i < path->count; i++) {
+            double y = path->points[2 * i + 1], next = path->points[2 * ((i + 1) % path->count) + 1];
+            count += fabs(fmin(fmax(next, 0), 1) - fmin(fmax(y, 0), 1)) * rows;
+        }
+    }
+    return count;
+}
+
+/* Takes the drawing as flat shapes, exactly, if it is such a one; *flat 0, and out->not_flat says why: it is not. */
+static int load_shapes(loading *l, const vector_drawing *drawing, uint32_t width, uint32_t height, int *flat) {
+    silmap_source *out = l->out;
+    vector_shapes shapes;
+    *flat = 0;
+    /* What cannot be drawn at all fails once more when it is drawn as a picture. */
+    if (l->vector->drawing_shapes(drawing, flatness(out, SHAPE_PIECES), &shapes, l->error)) {
+        snprintf(out->not_flat, sizeof out->not_flat, "%s", l->error);
+        return CMD_OK;
+    }
+    keep_shapes(out, &shapes);
+    if (count_crossings(&shapes.paths, height) > MOST_CROSSINGS) {
+        drop_shapes(out);
+        snprintf(out->not_flat, sizeof out->not_flat, "its lines are too many for %u rows", (unsigned)height);
+        return CMD_OK;
+    }
+    for (size_t i = 0; i < out->shape_count; i++)
+        take_colour(l, &out->shapes[i]);
+    int status = draw_shapes(l, width, height, l->silmap->mask == SILMAP_COLOURS ? 4 : 1);
+    if (status == CMD_OK)
+        status = settle_alpha(l, flat);
+    if (status == CMD_OK && !*flat) {
+        drop_shapes(out);
+        snprintf(out->not_flat, sizeof out->not_flat, "its values would be mixed with what is transparent");
+    }
+    return status;
+}
+
+static int draw_any(loading *l, const vector_drawing *drawing) {
     double w, h;
     uint32_t width = 0, height = 0;
-    int status = open_drawing(l, path, 0, &drawing);
+    int flat = 0;
+    l->vector->drawing_size(drawing, &w, &h);
+    int status = choose_pixels(l, w / h, &width, &height);
+    if (status == CMD_OK && l->exact)
+        status = load_shapes(l, drawing, width, height, &flat);
+    if (status != CMD_OK || flat)
+        return status;
+    if (l->exact)
+        cmd_verbose(l->store->args, "%s: drawn supersampled, %u x %u pixels, since %s", l->image->files[0].path,
+                    (unsigned)width, (unsigned)height, l->out->not_flat);
+    return draw(l, drawing, width, height);
+}
+
+static int load_drawing(loading *l) {
+    vector_drawing *drawing;
+    double w, h;
+    int status = open_drawing(l, l->image->files[0].path, 0, &drawing);
     if (status != CMD_OK)
         return status;
     l->vector->drawing_size(drawing, &w, &h);
     if (l->out->cells_x == 0)
         choose_cells(l->silmap, w, h, l->out);
     l->vector->drawing_place(drawing, &l->out->place);
-    status = choose_pixels(l, w / h, &width, &height);
-    if (status == CMD_OK)
-        status = draw(l, drawing, width, height);
+    status = draw_any(l, drawing);
     l->vector->drawing_close(drawing);
     return status;
 }
@@ -229,23 +374,10 @@ static void choose_margins(const loading *l, double width, double height, double
     margin[1] = cell / (height + 2 * cell);
 }
 
-static int render_text(loading *l, const vector_text *text, const author_silmap_place *box) {
-    author_picture *picture = &l->out->picture;
-    size_t count = (size_t)picture->width * picture->height;
-    uint8_t *coverage = malloc(count + 1);
-    int status = coverage ? CMD_OK : cmd_fail(CMD_INTERNAL, "out of memory");
-    if (status == CMD_OK && l->vector->text_render(text, box, picture->width, picture->height, coverage, l->error))
-        status = fail(l, l->image->files[0].path);
-    for (size_t i = 0; status == CMD_OK && i < count; i++)
-        picture->texels[i] = (float)coverage[i] / 255.0f;
-    free(coverage);
-    return status;
-}
-
 static int outline_text(loading *l, const vector_text *text) {
     double w, h, margin[2];
     uint32_t width, height;
-    vector_paths paths;
+    vector_shapes shapes = {.count = 1};
     l->vector->text_size(text, &w, &h);
     choose_margins(l, w, h, margin);
     const author_silmap_place *place = &l->out->place;
@@ -253,18 +385,16 @@ static int outline_text(loading *l, const vector_text *text) {
                                place->width * (1 - 2 * margin[0]), place->height * (1 - 2 * margin[1])};
     l->out->plain = 1;
     int status = choose_pixels(l, w / h, &width, &height);
-    if (status == CMD_OK)
-        status = create(l, width, height, 1);
-    if (status == CMD_OK)
-        status = render_text(l, text, &box);
     if (status != CMD_OK)
         return status;
-    if (l->vector->text_paths(text, &box, flatness(l->out), &paths, l->error))
+    if (l->vector->text_paths(text, &box, flatness(l->out, SHAPE_PIECES), &shapes.paths, l->error))
         return fail(l, l->image->files[0].path);
-    l->out->paths = paths.paths;
-    l->out->path_count = paths.count;
-    l->out->points = paths.points;
-    return CMD_OK;
+    shapes.shapes = calloc(1, sizeof *shapes.shapes);
+    keep_shapes(l->out, &shapes);
+    if (!shapes.shapes)
+        return cmd_fail(CMD_INTERNAL, "out of memory");
+    *shapes.shapes = (author_silmap_shape){.count = shapes.paths.count, .colour = {1}, .opacity = 1};
+    return draw_shapes(l, width, height, 1);
 }
 
 static int load_text(loading *l) {
@@ -290,22 +420,6 @@ static int load_text(loading *l) {
 }
 
 /* ---- pictures ------------------------------------------------------------------------------------------------ */
-
-/* The first channels of each texel, or one value made of all of them; in place. */
-static void narrow(author_picture *picture, uint32_t channels, silmap_mask mask) {
-    size_t count = (size_t)picture->width * picture->height;
-    uint32_t from = picture->channels;
-    for (size_t i = 0; i < count; i++) {
-        const float *texel = picture->texels + i * from;
-        float value = mask == SILMAP_ALPHA || from < 3 ? texel[mask == SILMAP_ALPHA ? from - 1 : 0] : brightness(texel);
-        if (mask == SILMAP_BRIGHTNESS && (from == 2 || from == 4))
-            value *= texel[from - 1];
-        memmove(picture->texels + i * channels, texel, channels * sizeof *texel);
-        if (mask != SILMAP_COLOURS)
-            picture->texels[i] = value;
-    }
-    picture->channels = channels;
-}
 
 static int is_opaque(const author_picture *picture) {
     size_t count = (size_t)picture->width * picture->height;
@@ -365,13 +479,14 @@ static int load_edges(loading *l) {
     int status = open_drawing(l, path, 1, &drawing);
     if (status != CMD_OK)
         return status;
+    drop_shapes(l->out);
     l->vector->drawing_size(drawing, &w, &h);
     double ratio = w / h / ((double)l->out->picture.width / l->out->picture.height);
     if (fabs(ratio - 1) > RATIO_OFF)
         cmd_warn(l->store->args, "%s is %g x %g, the picture %u x %u: its lines are stretched to fit", path, w, h,
                  (unsigned)l->out->picture.width, (unsigned)l->out->picture.height);
     l->vector->drawing_place(drawing, &l->out->place);
-    if (l->vector->drawing_paths(drawing, flatness(l->out), &paths, l->error))
+    if (l->vector->drawing_paths(drawing, flatness(l->out, FLAT_PIECES), &paths, l->error))
         status = fail(l, path);
     l->vector->drawing_close(drawing);
     if (status != CMD_OK)
@@ -415,6 +530,7 @@ static int load_at(make_store *store, const make_texture *texture, const silmap_
                  .semantic = texture->semantics[pick->layer],
                  .animated = all->file_count > 1,
                  .keep_alpha = pick->keep_alpha,
+                 .exact = pick->layer == 0 && !texture->silmap->edges,
                  .out = out};
     *out = (silmap_source){.place = *place, .cells_x = pick->cells_x, .cells_y = pick->cells_y};
     int status = check_hint(&l);
@@ -432,11 +548,18 @@ int silmap_source_load(make_store *store, const make_texture *texture, const sil
 }
 
 int silmap_source_hint(make_store *store, const make_texture *texture, const silmap_source *from, silmap_source *out) {
-    author_run run = {0};
+    author_silmap_input input = {.picture = &from->picture,
+                                 .paths = from->paths,
+                                 .path_count = from->path_count,
+                                 .shapes = from->shapes,
+                                 .shape_count = from->shape_count};
     author_silmap_place place;
+    make_stages stages;
+    author_run run = make_author_run(store->args, &stages);
     *out = (silmap_source){0};
-    int status = make_author_status(
-        author_silmap_hint(&run, &from->picture, from->cells_x, from->cells_y, from->plain, &place), &run);
+    author_result result = author_silmap_hint(&run, &input, from->cells_x, from->cells_y, from->plain, &place);
+    make_stages_end(&stages);
+    int status = make_author_status(result, &run);
     if (status != CMD_OK || !author_silmap_is_moved(&place))
         return status;
     return load_at(store, texture, &(silmap_pick){0}, &place, out);
@@ -444,7 +567,6 @@ int silmap_source_hint(make_store *store, const make_texture *texture, const sil
 
 void silmap_source_release(silmap_source *source) {
     author_picture_release(&source->picture);
-    free(source->paths);
-    free(source->points);
+    drop_shapes(source);
     *source = (silmap_source){0};
 }

@@ -252,6 +252,8 @@ static int fit(storing *s, const silmap_source *source, author_silmap_result *ou
     author_silmap_input input = {.picture = &source->picture,
                                  .paths = source->paths,
                                  .path_count = source->path_count,
+                                 .shapes = source->shapes,
+                                 .shape_count = source->shape_count,
                                  .paths_only = silmap->edges_only,
                                  .repeat_x = s->texture->wrap[0] == ZT_WRAP_REPEAT,
                                  .repeat_y = s->texture->wrap[1] == ZT_WRAP_REPEAT};
@@ -411,7 +413,13 @@ int make_store_silmap(make_store *store, const make_texture *texture, uint32_t *
     *height = f.cells.cells_y;
     if (status == CMD_OK && texture->silmap->made) {
         const author_picture *picture = &f.source.picture;
-        *texture->silmap->made = (silmap_made){f.cells, picture->width, picture->height, f.source.place, s.trial};
+        *texture->silmap->made = (silmap_made){.result = f.cells,
+                                               .width = picture->width,
+                                               .height = picture->height,
+                                               .place = f.source.place,
+                                               .trial = s.trial,
+                                               .exact = f.source.path_count > 0};
+        memcpy(texture->silmap->made->not_flat, f.source.not_flat, sizeof f.source.not_flat);
         f.cells = (author_silmap_result){0};
     }
     release(&f);

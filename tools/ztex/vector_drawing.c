@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Drawings, by librsvg and cairo. Paths are had by letting librsvg draw into cairo's SVG writer: what comes out are the paths alone, in
- * absolute coordinates, with rectangles, circles, references, groups and styles resolved. read_path reads just that.
+ * absolute coordinates, with rectangles, circles, references, groups and styles resolved. vector_svg.c reads just that.
  */
 #include "vector_module.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,15 +13,21 @@
 #include <cairo-svg.h>
 #include <librsvg/rsvg.h>
 
+#include "vector_flat.h"
 #include "vector_halves.h"
 
 #define MOST_TEXT ((size_t)1 << 28) /* bytes that the SVG writer may give */
-#define LONGER_SIDE 1000.0          /* units of the paths: cairo writes six digits behind the point */
+#define LONGER_SIDE 1000.0          /* units of the paths, of which cairo tells 256ths */
+#define LETTERS_SIDE 200.0          /* the same for letters as large as a page of 1: more is too large for FreeType */
+#define CHECKED_SIDE 512            /* pixels of the pictures that are compared */
+#define CHECKED_STEP 32             /* of 255: more than two ways to smooth an edge are apart */
+#define CHECKED_SHARE 0.0002        /* of the pixels may be off by more */
 
 struct vector_drawing {
     RsvgHandle *handle;
     double width, height;
     author_silmap_place place;
+    int letters; /* there may be some */
 };
 
 /* Whatever would make librsvg draw into a picture first, or not the line itself, goes. */
@@ -47,6 +54,16 @@ void vector_drawing_close(vector_drawing *drawing) {
         return;
     g_clear_object(&drawing->handle);
     free(drawing);
+}
+
+/* Compressed drawings are not looked into. */
+static int may_have_letters(const char *data, size_t size) {
+    if (size > 0 && data[0] == '\x1f')
+        return 1;
+    for (const char *at = data, *end = data + size; (at = memchr(at, 't', (size_t)(end - at))) != NULL; at++)
+        if (end - at >= 4 && memcmp(at, "text", 4) == 0)
+            return 1;
+    return 0;
 }
 
 static void find_size(vector_drawing *drawing) {
@@ -83,6 +100,7 @@ int vector_drawing_open(const void *data, size_t size, int edges, vector_drawing
         return fail_glib(error, "its lines cannot be had", problem);
     }
     find_size(drawing);
+    drawing->letters = may_have_letters(data, size);
     *out = drawing;
     return 0;
 }
@@ -166,90 +184,135 @@ static cairo_status_t take_text(void *user, const unsigned char *data, unsigned 
     return CAIRO_STATUS_SUCCESS;
 }
 
-static int read_numbers(const char **at, double *out, int count) {
-    for (int i = 0; i < count; i++) {
-        char *end;
-        *at += strspn(*at, " ,");
-        out[i] = g_ascii_strtod(*at, &end);
-        if (end == *at)
-            return -1;
-        *at = end;
-    }
-    return 0;
+/* What librsvg draws, as cairo writes it. */
+static int write_svg(const vector_drawing *drawing, const double size[2], text_sink *sink, char *error) {
+    *sink = (text_sink){0};
+    cairo_surface_t *surface = cairo_svg_surface_create_for_stream(take_text, sink, size[0], size[1]);
+    int bad = draw(drawing, surface, size[0], size[1], error);
+    cairo_surface_finish(surface);
+    if (!bad && (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS || !sink->text))
+        bad = fail(error, "its lines are too many");
+    cairo_surface_destroy(surface);
+    if (bad)
+        free(sink->text);
+    return bad;
 }
 
-/* The words of a d attribute: M, L, C and Z alone. */
-static int read_path(const char *at, vector_pen *pen) {
-    double n[6], begin[2] = {0, 0};
-    int open = 0;
-    for (; *at && *at != '"';) {
-        char word = *at++;
-        int count = word == 'M' || word == 'L' ? 2 : word == 'C' ? 6 : 0;
-        if (count > 0 && read_numbers(&at, n, count))
-            return -1;
-        if (word == 'M')
-            memcpy(begin, n, sizeof begin);
-        else if (count > 0 && !open)
-            vector_pen_move(pen, begin[0], begin[1]);
-        if (word == 'L')
-            vector_pen_line(pen, n[0], n[1]);
-        else if (word == 'C')
-            vector_pen_curve(pen, n);
-        else if (word == 'Z' && open)
-            vector_pen_close(pen);
-        else if (word != 'M' && word != 'Z' && word != ' ')
-            return -1;
-        open = count > 0 ? word != 'M' : word == 'Z' ? 0 : open;
-    }
-    return 0;
-}
-
-static const char *attribute(const char *element, const char *end, const char *name) {
-    const char *at = strstr(element, name);
-    return at && at < end ? at + strlen(name) : NULL;
-}
-
-static int read_element(const char *element, const char *end, const double unit[2], vector_pen *pen) {
-    double m[6] = {1, 0, 0, 1, 0, 0};
-    const char *d = attribute(element, end, " d=\""), *matrix = attribute(element, end, " transform=\"matrix(");
-    if (!d || (matrix && read_numbers(&matrix, m, 6)))
-        return -1;
-    for (int i = 0; i < 6; i++)
-        pen->matrix[i] = m[i] * unit[i % 2];
-    return read_path(d, pen);
-}
-
-/* What is in <defs> are clips and patterns, nothing that is drawn. */
-static int read_drawing(const char *text, const double unit[2], vector_pen *pen) {
-    for (const char *at = text; (at = strchr(at, '<')) != NULL; at++) {
-        const char *end = strchr(at, '>');
-        if (strncmp(at, "<defs>", 6) == 0 && !(at = strstr(at, "</defs>")))
-            break;
-        if (end && strncmp(at, "<path ", 6) == 0 && read_element(at, end, unit, pen))
-            return -1;
-    }
-    return 0;
+/* At most. librsvg scales letters twice, so on a small page they soon are too large; and when that has happened once, they stay broken. */
+static void page_size(const vector_drawing *drawing, double longer, double size[2]) {
+    double side = drawing->width > drawing->height ? drawing->width : drawing->height;
+    if (drawing->letters)
+        longer = fmin(longer, LETTERS_SIDE * sqrt(side));
+    size[0] = longer * drawing->width / side;
+    size[1] = longer * drawing->height / side;
 }
 
 int vector_drawing_paths(const vector_drawing *drawing, double tolerance, vector_paths *out, char *error) {
-    double longer = drawing->width > drawing->height ? drawing->width : drawing->height;
-    double size[2] = {LONGER_SIDE * drawing->width / longer, LONGER_SIDE * drawing->height / longer};
-    double unit[2] = {1 / size[0], 1 / size[1]};
-    text_sink sink = {0};
+    double size[2];
+    page_size(drawing, LONGER_SIDE, size);
+    const double unit[2] = {1 / size[0], 1 / size[1]};
+    text_sink sink;
     vector_pen pen = {.tolerance = tolerance};
     *out = (vector_paths){0};
-    cairo_surface_t *surface = cairo_svg_surface_create_for_stream(take_text, &sink, size[0], size[1]);
-    int bad = draw(drawing, surface, size[0], size[1], error);
-    cairo_surface_finish(surface);
-    if (!bad && (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS || !sink.text))
-        bad = fail(error, "its lines are too many");
-    cairo_surface_destroy(surface);
-    if (!bad && read_drawing(sink.text, unit, &pen)) {
-        free(pen.paths.paths);
-        free(pen.paths.points);
+    int bad = write_svg(drawing, size, &sink, error);
+    if (bad)
+        return bad;
+    if (vector_svg_paths(sink.text, unit, &pen)) {
+        vector_pen_release(&pen);
         bad = fail(error, "its lines cannot be read");
-    } else if (!bad)
+    } else
         bad = vector_pen_finish(&pen, out, error);
     free(sink.text);
     return bad;
+}
+
+/* ---- shapes ------------------------------------------------------------------------------------------------- */
+
+static int read_shapes(const vector_drawing *drawing, double tolerance, vector_shapes *out, char *error) {
+    double size[2];
+    page_size(drawing, LONGER_SIDE, size);
+    const double unit[2] = {1 / size[0], 1 / size[1]};
+    text_sink sink;
+    *out = (vector_shapes){0};
+    int status = write_svg(drawing, size, &sink, error);
+    if (status)
+        return status;
+    status = vector_svg_shapes(sink.text, unit, tolerance, out, error);
+    free(sink.text);
+    return status;
+}
+
+static void trace_shape(cairo_t *cairo, const vector_shapes *all, const author_silmap_shape *shape) {
+    cairo_new_path(cairo);
+    for (size_t p = shape->first; p < shape->first + shape->count; p++) {
+        const author_path *path = &all->paths.paths[p];
+        cairo_new_sub_path(cairo);
+        for (size_t i = 0; i < path->count; i++)
+            cairo_line_to(cairo, path->points[2 * i], path->points[2 * i + 1]);
+        cairo_close_path(cairo);
+    }
+    cairo_set_fill_rule(cairo, shape->even_odd ? CAIRO_FILL_RULE_EVEN_ODD : CAIRO_FILL_RULE_WINDING);
+}
+
+static void paint_shape(cairo_t *cairo, const vector_shapes *all, const author_silmap_shape *shape) {
+    const float *colour = shape->colour;
+    if (shape->bounds)
+        return;
+    cairo_save(cairo);
+    for (uint32_t w = shape->within; w; w = all->shapes[w - 1].within) {
+        trace_shape(cairo, all, &all->shapes[w - 1]);
+        cairo_clip(cairo);
+    }
+    trace_shape(cairo, all, shape);
+    cairo_set_source_rgba(cairo, (double)colour[0], (double)colour[1], (double)colour[2], (double)shape->opacity);
+    cairo_fill(cairo);
+    cairo_restore(cairo);
+}
+
+static size_t count_different(cairo_surface_t *a, cairo_surface_t *b, int width, int height) {
+    const unsigned char *p = cairo_image_surface_get_data(a), *q = cairo_image_surface_get_data(b);
+    size_t stride = (size_t)cairo_image_surface_get_stride(a), count = 0;
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            int most = 0;
+            for (size_t i = (size_t)y * stride + 4 * (size_t)x, end = i + 4; i < end; i++)
+                most = abs(p[i] - q[i]) > most ? abs(p[i] - q[i]) : most;
+            count += most > CHECKED_STEP;
+        }
+    }
+    return count;
+}
+
+/* Draws the shapes and the drawing, and compares the pictures. */
+static int check_shapes(const vector_drawing *drawing, const vector_shapes *shapes, char *error) {
+    double size[2];
+    page_size(drawing, CHECKED_SIDE, size);
+    int width = size[0] > 1 ? (int)size[0] : 1, height = size[1] > 1 ? (int)size[1] : 1;
+    cairo_surface_t *own = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    cairo_surface_t *other = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    cairo_t *cairo = cairo_create(own);
+    cairo_scale(cairo, width, height);
+    for (size_t s = 0; s < shapes->count; s++)
+        paint_shape(cairo, shapes, &shapes->shapes[s]);
+    int status = cairo_status(cairo) != CAIRO_STATUS_SUCCESS ? fail(error, cairo_status_to_string(cairo_status(cairo)))
+                                                             : draw(drawing, other, width, height, error);
+    cairo_destroy(cairo);
+    cairo_surface_flush(own);
+    cairo_surface_flush(other);
+    if (!status && (double)count_different(own, other, width, height) > CHECKED_SHARE * width * height) {
+        fail(error, "what is drawn from its lines looks different");
+        status = VECTOR_NOT_FLAT;
+    }
+    cairo_surface_destroy(own);
+    cairo_surface_destroy(other);
+    return status;
+}
+
+int vector_drawing_shapes(const vector_drawing *drawing, double tolerance, vector_shapes *out, char *error) {
+    int status = read_shapes(drawing, tolerance, out, error);
+    if (!status)
+        status = check_shapes(drawing, out, error);
+    if (status)
+        vector_shapes_release(out);
+    return status;
 }

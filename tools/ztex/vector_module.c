@@ -11,10 +11,10 @@ __attribute__((visibility("default"))) const vector_module ztex_vector_module = 
     .drawing_place = vector_drawing_place,
     .drawing_render = vector_drawing_render,
     .drawing_paths = vector_drawing_paths,
+    .drawing_shapes = vector_drawing_shapes,
     .drawing_close = vector_drawing_close,
     .text_open = vector_text_open,
     .text_size = vector_text_size,
-    .text_render = vector_text_render,
     .text_paths = vector_text_paths,
     .text_close = vector_text_close,
 };

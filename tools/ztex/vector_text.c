@@ -132,42 +132,6 @@ void vector_text_size(const vector_text *text, double *width, double *height) {
     *height = (double)(text->high.y - text->low.y);
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------------------- */
-
-/* FreeType wants y up and units of a 64th of a pixel. */
-static void move_outline(const vector_text *text, FT_Outline *to, const author_silmap_place *place, double width,
-                         double height) {
-    double box[2];
-    vector_text_size(text, &box[0], &box[1]);
-    for (int i = 0; i < to->n_points; i++) {
-        double x = (double)(text->outline.points[i].x - text->low.x) / box[0];
-        double y = (double)(text->outline.points[i].y - text->low.y) / box[1];
-        to->points[i].x = (FT_Pos)lround(64 * width * (place->x + place->width * x));
-        to->points[i].y = (FT_Pos)lround(64 * height * (1 - place->y - place->height * (1 - y)));
-    }
-}
-
-int vector_text_render(const vector_text *text, const author_silmap_place *place, uint32_t width, uint32_t height,
-                       uint8_t *coverage, char *error) {
-    FT_Outline copy = text->outline;
-    FT_Bitmap bitmap = {.rows = height,
-                        .width = width,
-                        .pitch = (int)width,
-                        .buffer = coverage,
-                        .num_grays = 256,
-                        .pixel_mode = FT_PIXEL_MODE_GRAY};
-    if (width == 0 || height == 0 || width > VECTOR_SIDE || height > VECTOR_SIDE)
-        return fail(error, "the picture would be too large");
-    copy.points = malloc(((size_t)copy.n_points + 1) * sizeof *copy.points);
-    if (!copy.points)
-        return fail(error, "out of memory");
-    move_outline(text, &copy, place, width, height);
-    memset(coverage, 0, (size_t)width * height);
-    int bad = FT_Outline_Get_Bitmap(text->library, &copy, &bitmap) != 0;
-    free(copy.points);
-    return bad ? fail(error, "FreeType cannot draw the text") : 0;
-}
-
 /* ---- paths ------------------------------------------------------------------------------------------------- */
 
 static int move_to(const FT_Vector *to, void *user) {

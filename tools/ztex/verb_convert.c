@@ -2,23 +2,20 @@
 /* ztex convert: a texture file into another one, touching no more than was asked for. */
 #include "convert.h"
 #include "pick.h"
+#include "write_args.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static const cmd_option options[] = {
-    {.name = "output",
-     .letter = 'o',
-     .metavar = "FILE",
-     .kind = CMD_TEXTURE,
-     .help = "The texture file to write; - is standard output. Required."},
+    WRITE_OPTION_OUTPUT,
     {.name = "effort",
      .metavar = "N",
      .kind = CMD_INTEGER,
      .min = 1,
      .max = 9,
      .help = "Compress anew with this effort: 1 is fast, 9 is small."},
-    {.name = "raw", .help = "Do not compress."},
+    WRITE_OPTION_RAW,
     {.name = "tile-edge",
      .metavar = "N",
      .kind = CMD_INTEGER,
@@ -67,7 +64,7 @@ static const cmd_option options[] = {
      .repeat = 1,
      .help = "Set a metadata key."},
     {.name = "unmeta", .metavar = "KEY", .kind = CMD_TEXT, .repeat = 1, .help = "Remove a metadata key."},
-    {.name = "no-fsync", .help = "Do not wait for the disk, for temporary files and bulk jobs."},
+    WRITE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {
@@ -103,10 +100,9 @@ static int read_format(convert_job *job) {
 static int read_wishes(convert_job *job) {
     cmd_args *args = job->args;
     const char *levels = cmd_text(args, "levels");
-    uint64_t edge = cmd_integer(args, "tile-edge");
-    int filter = cmd_choice(args, "mip-filter");
-    if ((edge & (edge - 1)) != 0)
-        return cmd_usage(args, "--tile-edge: %u is not a power of two", (unsigned)edge);
+    int filter = cmd_choice(args, "mip-filter"), edge, status = write_read_tile_edge(args, &edge);
+    if (status != CMD_OK)
+        return status;
     job->tile_edge = (uint32_t)edge;
     job->recode = cmd_given(args, "effort") || cmd_given(args, "raw");
     if (cmd_given(args, "effort") && cmd_given(args, "raw"))
@@ -347,10 +343,7 @@ static int copy_everything(convert_job *job) {
 }
 
 static int convert(convert_job *job, const char *path) {
-    zt_writer_options how = {.size = sizeof how,
-                             .effort = (int)cmd_integer(job->args, "effort"),
-                             .raw_only = cmd_given(job->args, "raw") != 0,
-                             .flags = cmd_given(job->args, "no-fsync") ? ZT_WRITE_NO_FSYNC : 0};
+    zt_writer_options how = write_options(job->args, NULL);
     zt_get_file(job->input.file, &job->file);
     job->keep = calloc(job->file.texture_count, sizeof *job->keep);
     job->textures = calloc(job->file.texture_count, sizeof *job->textures);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const cmd_option options[] = {
-    MAKE_OPTION_OUTPUT,
+    WRITE_OPTION_OUTPUT,
     MAKE_OPTION_NAME,
     MAKE_OPTION_FORMAT,
     {.name = "semantic",
@@ -21,7 +21,7 @@ static const cmd_option options[] = {
      .kind = CMD_TEXT,
      .repeat = 1,
      .help = "Another layer of the same texture: --layer normal=brick_n.png."},
-    MAKE_OPTION_WRAP,
+    MAKE_OPTION_WRAP("repeat", ""),
     MAKE_OPTION_LEVELS,
     MAKE_OPTION_MIP_FILTER,
     {.name = "alpha",
@@ -55,8 +55,8 @@ static const cmd_option options[] = {
     MAKE_OPTION_WRITER,
     MAKE_OPTION_TILE_EDGE,
     MAKE_OPTION_EFFORT,
-    MAKE_OPTION_RAW,
-    MAKE_OPTION_NO_FSYNC,
+    WRITE_OPTION_RAW,
+    WRITE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {
@@ -71,8 +71,9 @@ static const cmd_example examples[] = {
 
 static const char text[] =
     "From a picture it makes a texture of kind image, with mip levels, for any format that "
-    "OpenImageIO reads, and from Deep Zoom pictures (NAME.dzi) and folders of the IIIF Image API "
-    "(info.json). Several pictures become array layers, cube faces, frames or slices "
+    "OpenImageIO reads, and from Deep Zoom pictures (NAME.dzi) and folders of Zoomify "
+    "(ImageProperties.xml) and of the IIIF Image API (info.json). Several pictures become array layers, cube faces, "
+    "frames or slices "
     "(--array, --cube, --frames, --volume), and --layer adds layers such as normals.\n"
     "\n"
     "From a scene, a JSON file, it makes zipmaps and files with several textures. A zipmap has a "
@@ -118,7 +119,7 @@ static int read_defaults(const cmd_args *args, make_options *o) {
                         .keep_orientation = cmd_given(args, "keep-orientation") > 0};
     if (format)
         o->format = zt_find_format_name(format)->format;
-    int status = make_read_tile_edge(args, &o->tile_edge);
+    int status = write_read_tile_edge(args, &o->tile_edge);
     if (status == CMD_OK)
         status = named_number(args, "transfer", cmd_transfer_number, &o->transfer);
     return status == CMD_OK ? named_number(args, "primaries", cmd_primaries_number, &o->primaries) : status;

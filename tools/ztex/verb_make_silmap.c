@@ -7,7 +7,7 @@
 #include "silmap.h"
 
 static const cmd_option options[] = {
-    MAKE_OPTION_OUTPUT,
+    WRITE_OPTION_OUTPUT,
     {.name = "cells",
      .letter = 'c',
      .metavar = "N|WxH",
@@ -58,13 +58,7 @@ static const cmd_option options[] = {
      .kind = CMD_TEXT,
      .repeat = 1,
      .help = "Another layer in the same cells, such as --layer normal=sign_n.png."},
-    {.name = "wrap",
-     .letter = 'w',
-     .metavar = "MODE",
-     .kind = CMD_CHOICE,
-     .choices = "repeat|mirror|clamp|border",
-     .fallback = "clamp",
-     .help = "How the texture goes on beyond its edges. With repeat its sides meet."},
+    MAKE_OPTION_WRAP("clamp", " With repeat its sides meet."),
     {.name = "no-minified",
      .help = "Leave out the small images for lookups from afar: as small as can be, but it glitters there."},
     {.name = "report",
@@ -84,8 +78,8 @@ static const cmd_option options[] = {
     MAKE_OPTION_WRITER,
     MAKE_OPTION_TILE_EDGE,
     MAKE_OPTION_EFFORT,
-    MAKE_OPTION_RAW,
-    MAKE_OPTION_NO_FSYNC,
+    WRITE_OPTION_RAW,
+    WRITE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {
@@ -209,7 +203,7 @@ static int read_defaults(const cmd_args *args, make_options *o) {
                         .primaries = MAKE_UNSET,
                         .mip_filter = cmd_choice(args, "mip-filter"),
                         .levels = (int)cmd_integer(args, "levels")};
-    return make_read_tile_edge(args, &o->tile_edge);
+    return write_read_tile_edge(args, &o->tile_edge);
 }
 
 /* The scene of one texture that the command line describes. */

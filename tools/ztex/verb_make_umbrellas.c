@@ -7,7 +7,7 @@
 #include "umbrellas.h"
 
 static const cmd_option options[] = {
-    MAKE_OPTION_OUTPUT,
+    WRITE_OPTION_OUTPUT,
     {.name = "seed",
      .metavar = "N",
      .kind = CMD_INTEGER,
@@ -21,8 +21,8 @@ static const cmd_option options[] = {
     MAKE_OPTION_LICENSE,
     MAKE_OPTION_WRITER,
     MAKE_OPTION_EFFORT,
-    MAKE_OPTION_RAW,
-    MAKE_OPTION_NO_FSYNC,
+    WRITE_OPTION_RAW,
+    WRITE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {{"ztex make umbrellas leaves.json -o leaves.ztex", "What the scene says."},

@@ -7,7 +7,7 @@
 #include "make_args.h"
 
 static const cmd_option options[] = {
-    MAKE_OPTION_OUTPUT,
+    WRITE_OPTION_OUTPUT,
     {.name = "name",
      .letter = 'n',
      .metavar = "NAME",
@@ -54,6 +54,14 @@ static const cmd_option options[] = {
              "perspective."},
     {.name = "allow-many",
      .help = "Photographs of several things: one texture for each group. Without it they are an error."},
+    {.name = "candidates",
+     .metavar = "N",
+     .kind = CMD_INTEGER,
+     .min = 1,
+     .max = 4096,
+     .help =
+         "Photographs that each one is compared with: the N that look most alike at a quick look. Default: all, and "
+         "12 when there are more than 40 photographs."},
     {.name = "max-size",
      .metavar = "N",
      .kind = CMD_INTEGER,
@@ -77,13 +85,7 @@ static const cmd_option options[] = {
      .metavar = "FILE",
      .kind = CMD_FILE,
      .help = "Write the scene, to be edited by hand: 'ztex make FILE -o OUT.ztex' makes the same texture of it."},
-    {.name = "wrap",
-     .letter = 'w',
-     .metavar = "MODE",
-     .kind = CMD_CHOICE,
-     .choices = "repeat|mirror|clamp|border",
-     .fallback = "clamp",
-     .help = "How the texture goes on beyond its edges."},
+    MAKE_OPTION_WRAP("clamp", ""),
     MAKE_OPTION_FORMAT,
     MAKE_OPTION_LEVELS,
     MAKE_OPTION_MIP_FILTER,
@@ -92,8 +94,8 @@ static const cmd_option options[] = {
     MAKE_OPTION_WRITER,
     MAKE_OPTION_TILE_EDGE,
     MAKE_OPTION_EFFORT,
-    MAKE_OPTION_RAW,
-    MAKE_OPTION_NO_FSYNC,
+    WRITE_OPTION_RAW,
+    WRITE_OPTION_NO_FSYNC,
     {0}};
 
 static const cmd_example examples[] = {
@@ -247,7 +249,7 @@ static int make_all(heap *h, const char *output) {
         status = make_add_metadata(h->args, &h->memory);
     if (status == CMD_OK)
         status = heap_scene(h, HEAP_RESULT, "", &scene);
-    zt_writer_options writer = make_writer_options(h->args, NULL);
+    zt_writer_options writer = write_options(h->args, NULL);
     if (status == CMD_OK)
         status = heap_store(h->args, scene, output, &writer, "making");
     json_decref(scene);

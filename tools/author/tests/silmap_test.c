@@ -425,8 +425,8 @@ static void test_hint(void) {
         wrong[hinted] = result.disagreement;
         author_silmap_release(&result);
         author_silmap_place place, again;
-        CHECK(author_silmap_hint(&run, &picture, CELLS, CELLS, 1, &place) == AUTHOR_OK);
-        CHECK(author_silmap_hint(&run, &picture, CELLS, CELLS, 1, &again) == AUTHOR_OK);
+        CHECK(author_silmap_hint(&run, &input, CELLS, CELLS, 1, &place) == AUTHOR_OK);
+        CHECK(author_silmap_hint(&run, &input, CELLS, CELLS, 1, &again) == AUTHOR_OK);
         CHECK(memcmp(&place, &again, sizeof place) == 0);
         CHECK(out_by_half_a_cell(place.x, place.width) && out_by_half_a_cell(place.y, place.height));
         placed = place;
@@ -435,11 +435,61 @@ static void test_hint(void) {
     CHECK(wrong[1] * 3 < wrong[0]);
     turn = 0.5;
     author_picture slanted = smooth(16 * CELLS, black_and_white);
+    author_silmap_input flat = {.picture = &slanted};
     author_silmap_place place;
-    CHECK(author_silmap_hint(&run, &slanted, CELLS, CELLS, 1, &place) == AUTHOR_OK);
+    CHECK(author_silmap_hint(&run, &flat, CELLS, CELLS, 1, &place) == AUTHOR_OK);
     CHECK(memcmp(&place, &(author_silmap_place){0, 0, 1, 1}, sizeof place) == 0);
-    CHECK(author_silmap_hint(&run, &slanted, 16 * CELLS + 1, 1, 1, &place) == AUTHOR_BAD_INPUT && run.error[0]);
+    CHECK(author_silmap_hint(&run, &flat, 16 * CELLS + 1, 1, 1, &place) == AUTHOR_BAD_INPUT && run.error[0]);
     author_picture_release(&slanted);
+}
+
+static const double triangle_corners[] = {0.131, 0.107, 0.871, 0.263, 0.407, 0.873};
+
+static float triangle(double x, double y, uint32_t channel) {
+    const double *c = triangle_corners;
+    double u = (x - placed.x) / placed.width, v = (y - placed.y) / placed.height;
+    int inside = 1;
+    (void)channel;
+    for (int i = 0; i < 3; i++) {
+        const double *a = c + 2 * i, *b = c + 2 * ((i + 1) % 3);
+        inside = inside && (b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0]) > 0;
+    }
+    return inside ? 1.0f : 0.0f;
+}
+
+static double wrong_of_triangle(const author_run *run, author_silmap_place *place) {
+    author_run own = *run;
+    double corners[6];
+    for (int i = 0; i < 6; i += 2) {
+        corners[i] = placed.x + placed.width * triangle_corners[i];
+        corners[i + 1] = placed.y + placed.height * triangle_corners[i + 1];
+    }
+    author_path path = {corners, 3, 1};
+    author_picture picture = paint(EDGE, EDGE, 1, triangle);
+    author_silmap_input input = {.picture = &picture, .paths = &path, .path_count = 1};
+    author_silmap_options options = {.cells_x = CELLS, .cells_y = CELLS, .plain = 1};
+    author_silmap_result result = fit_with(&input, &options, NULL);
+    double wrong = result.disagreement;
+    CHECK(author_silmap_hint(&own, &input, CELLS, CELLS, 1, place) == AUTHOR_OK);
+    author_silmap_release(&result);
+    author_picture_release(&picture);
+    return wrong;
+}
+
+/* Of paths the area decides, and none of them is along an axis here; with threads as without. */
+static void test_hint_of_paths(void) {
+    zt_threads *threads = NULL;
+    CHECK(zt_threads_open(3, &threads) == ZT_OK);
+    zt_parallel parallel = zt_threads_parallel(threads);
+    author_silmap_place place, again;
+    placed = (author_silmap_place){0, 0, 1, 1};
+    double wrong = wrong_of_triangle(&(author_run){0}, &place);
+    wrong_of_triangle(&(author_run){.parallel = &parallel}, &again);
+    CHECK(memcmp(&place, &again, sizeof place) == 0);
+    CHECK(out_by_half_a_cell(place.x, place.width) && out_by_half_a_cell(place.y, place.height));
+    placed = place;
+    CHECK(wrong_of_triangle(&(author_run){0}, &again) < wrong);
+    zt_threads_close(threads);
 }
 
 /* Of one channel the area counts, unless it is equal; of colours the PSNR. */
@@ -526,6 +576,7 @@ int main(void) {
     test_border();
     test_nothing_drawn();
     test_hint();
+    test_hint_of_paths();
     test_better();
     test_progress();
     test_quality();

@@ -119,6 +119,15 @@ class Adjust(support.Case):
         self.make(self.scene({"image": "child.png", **self.place(), "mask": "none", "colour": "gain"}))
         self.assertLess(max(self.steps("out.ztex")[::2]), 1)
 
+    def test_overexposed_parent(self):
+        """What the parent's camera has cut off is no reason to darken what lies beside it."""
+        self.full[:170] = 1.6
+        save("child.png", bytes_of(self.crop() * 0.55))
+        self.full = numpy.minimum(self.full, 1)
+        save("root.png", bytes_of(reduce_by(self.full, ZOOM)))
+        self.make(self.scene({"image": "child.png", **self.place(), "mask": "none", "colour": "poisson"}))
+        self.assertLess(max(self.steps("out.ztex")[::2]), 1)
+
     def test_chain_and_overhang(self):
         """A child of an adjusted patch follows the adjusted colours; one that hangs over its parent those of the root."""
         inner = (201, 143, 100, 90)

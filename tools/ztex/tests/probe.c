@@ -3,6 +3,7 @@
  * What is in a texture file, as JSON for the tests, straight from libzt, so that the tests of one verb do not lean on another.
  * Usage: ztex_probe FILE            everything but the texels, and the findings of a full check
  *        ztex_probe FILE IMAGE LEVEL   the decoded bytes of all layers
+ *        ztex_probe FILE look LAYER FRAME EDGE   the first texture, looked up at EDGE x EDGE pixels: four floats each
  */
 #include <stdlib.h>
 
@@ -111,6 +112,28 @@ static void print_facts(const zt_file *file, const char *path, zt_diag *diag) {
     json_decref(root);
 }
 
+static int print_lookups(const zt_file *file, char **words, zt_diag *diag) {
+    zt_sampler_options options = {.filter = ZT_FILTER_TRILINEAR, .layer = (uint32_t)atoi(words[0])};
+    uint32_t frame = (uint32_t)atoi(words[1]), edge = (uint32_t)atoi(words[2]);
+    double pixel = 1.0 / edge;
+    zt_sampler *sampler;
+    zt_result result = zt_sampler_open(file, 0, &options, diag, &sampler);
+    for (uint32_t i = 0; result == ZT_OK && i < edge * edge; i++) {
+        zt_point point = {.u = (i % edge + 0.5) * pixel,
+                          .v = (i / edge + 0.5) * pixel,
+                          .du_dx = pixel,
+                          .dv_dy = pixel,
+                          .array_layer = frame};
+        float rgba[4];
+        result = zt_sample(sampler, &point, 1, rgba, diag);
+        fwrite(rgba, sizeof rgba, 1, stdout);
+    }
+    zt_sampler_close(sampler);
+    if (result != ZT_OK)
+        fprintf(stderr, "%s\n", diag->text);
+    return result != ZT_OK;
+}
+
 int main(int argc, char **argv) {
     zt_diag diag = {0};
     zt_file *file;
@@ -121,6 +144,8 @@ int main(int argc, char **argv) {
     }
     if (argc == 4)
         failed = print_texels(file, (uint32_t)atoi(argv[2]), (uint32_t)atoi(argv[3]), &diag);
+    else if (argc == 6)
+        failed = print_lookups(file, argv + 3, &diag);
     else
         print_facts(file, argv[1], &diag);
     zt_close(file);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Property: a picture that is a folder of tiles (Deep Zoom, static IIIF) is the picture that was cut, wherever a picture can stand; a broken
+"""Property: a picture that is a folder of tiles (Deep Zoom, Zoomify, static IIIF) is the picture that was cut, wherever a picture can stand; a broken
 folder is answered with the tile that is wrong; and --dzi writes pyramids by the rules that viewers rely on. It matters because people
 with gigapixel pictures have them in this form, and read only this form in browsers."""
 import json
@@ -62,6 +62,27 @@ def write_iiif(folder, picture, size, version, whole="full"):
         json.dump(info, file)
 
 
+def write_zoomify(folder, picture, size=64, down=False, kind="jpg", xml=None):
+    """By the rules of Zoomify: levels down to one tile, groups of 256 tiles, and sizes halved upwards or downwards. kind: of the names; what
+    is in them is PNG, which keeps texels. Returns the number of tiles."""
+    levels = [picture]
+    while max(levels[0].shape[:2]) > size:
+        small = levels[0][::2, ::2]
+        levels.insert(0, small[:max(levels[0].shape[0] // 2, 1), :max(levels[0].shape[1] // 2, 1)] if down else small)
+    number = 0
+    for z, level in enumerate(levels):
+        for y in range(math.ceil(level.shape[0] / size)):
+            for x in range(math.ceil(level.shape[1] / size)):
+                group = f"{folder}/TileGroup{number // 256}"
+                os.makedirs(group, exist_ok=True)
+                save(f"{group}/{z}-{x}-{y}.{kind}", level[y * size:(y + 1) * size, x * size:(x + 1) * size], format="PNG")
+                number += 1
+    with open(f"{folder}/ImageProperties.xml", "w") as file:
+        file.write(xml or f'<IMAGE_PROPERTIES WIDTH="{picture.shape[1]}" HEIGHT="{picture.shape[0]}" NUMTILES="{number}" NUMIMAGES="1" '
+                   f'VERSION="1.8" TILESIZE="{size}" />')
+    return number
+
+
 class Pyramids(support.Case):
     def same(self, path, picture, *words):
         save("plain.png", picture)
@@ -97,6 +118,40 @@ class Reading(Pyramids):
         self.same("numbers/info.json", picture)
         self.ztex("make", "v3/info.json", "-o", "named.ztex")
         self.assertEqual(self.probe("named.ztex")["textures"][0]["name"], "v3")
+
+    def test_zoomify(self):
+        for number, (width, height, channels, size, down) in enumerate(
+                [(200, 150, 3, 64, False), (200, 150, 3, 64, True), (129, 129, 3, 64, False), (129, 129, 3, 64, True), (40, 30, 4, 256, False),
+                 (257, 190, 1, 8, False), (257, 190, 1, 8, True), (1, 1, 3, 256, False), (67, 1, 3, 32, True)]):
+            picture = noisy(width, height, channels)
+            tiles = write_zoomify(f"z{number}", picture, size, down)
+            self.assertEqual(os.path.exists(f"z{number}/TileGroup1"), tiles > 256)
+            self.same(f"z{number}/ImageProperties.xml", picture)
+        write_zoomify("other", noisy(200, 150), kind="png")
+        self.same("other/ImageProperties.xml", noisy(200, 150))
+        for down in (False, True): # without a number of tiles the coarsest one tells
+            name = f"uncounted{down:d}"
+            write_zoomify(name, noisy(257, 190), 8, down, xml='<IMAGE_PROPERTIES WIDTH="257" HEIGHT="190" TILESIZE="8"/>')
+            self.same(f"{name}/ImageProperties.xml", noisy(257, 190))
+        self.ztex("make", "z0/ImageProperties.xml", "-o", "named.ztex")
+        self.assertEqual(self.probe("named.ztex")["textures"][0]["name"], "z0")
+
+    def test_zoomify_levels(self):
+        """The finest level that fits is read, whichever way its size was rounded."""
+        for down in (False, True):
+            picture = noisy(2047, 1023)
+            write_zoomify(f"z{down:d}", picture, 256, down)
+            small = picture[::2, ::2]
+            save("small.png", small[:511, :1023] if down else small)
+            made = []
+            for name, memory in ((f"z{down:d}/ImageProperties.xml", "16M"), ("small.png", "1G")):
+                scene = {"textures": [{"image": {"file": name, "resize": [300, 200]}}]}
+                with open("scene.json", "w") as file:
+                    json.dump(scene, file)
+                self.ztex("make", "scene.json", "-o", "out.ztex", "--memory", memory)
+                with open("out.ztex", "rb") as file:
+                    made.append(file.read())
+            self.assertEqual(made[0], made[1], f"rounded {'down' if down else 'up'}")
 
     def test_in_scenes(self):
         """Crop, resize and at_crop mean what they mean for any picture."""
@@ -227,6 +282,34 @@ class Broken(Pyramids):
                 file.write(xml)
             with self.subTest(xml=xml[:60]):
                 self.wrong("bad.dzi", "bad.dzi: ", text)
+
+    def test_zoomify_descriptors(self):
+        write_zoomify("z", self.picture)
+        for values, text in (('WIDTH="0" HEIGHT="150" TILESIZE="64"', "width and height"),
+                             ('WIDTH="200" HEIGHT="150"', "size of tiles"),
+                             ('WIDTH="200" HEIGHT="150" TILESIZE="99999999"', "size of tiles"),
+                             ('WIDTH="2e2" HEIGHT="150" TILESIZE="64"', "width and height"),
+                             ('WIDTH="200" HEIGHT="150" TILESIZE="64" NUMTILES="4"', "it counts 4 tiles"),
+                             ('WIDTH="200" HEIGHT="150" TILESIZE="64" NUMTILES="99999999999"', ""),
+                             ('WIDTH="1073741824" HEIGHT="1073741824" TILESIZE="1"', "missing"),
+                             ('WIDTH="200" HEIGHT="151" TILESIZE="64"', "64 x 22 pixels, where the descriptor wants 64 x 23")):
+            with open("z/ImageProperties.xml", "w") as file:
+                file.write(f"<IMAGE_PROPERTIES {values} />")
+            with self.subTest(values=values):
+                if text:
+                    self.wrong("z/ImageProperties.xml", "z/ImageProperties.xml: ", text)
+                else: # a number that is none counts as none
+                    self.same("z/ImageProperties.xml", self.picture)
+        for xml, text in (("<html/>", "IMAGE_PROPERTIES"), ("", "no element"),
+                          ('<!DOCTYPE IMAGE_PROPERTIES [<!ENTITY a "b">]><IMAGE_PROPERTIES/>', "document type")):
+            with open("z/ImageProperties.xml", "w") as file:
+                file.write(xml)
+            self.wrong("z/ImageProperties.xml", "z/ImageProperties.xml: ", text)
+        write_zoomify("y", self.picture)
+        os.remove("y/TileGroup0/2-1-2.jpg")
+        self.wrong("y/ImageProperties.xml", "tile TileGroup0/2-1-2.jpg: the file is missing")
+        os.remove("y/TileGroup0/0-0-0.jpg")
+        self.wrong("y/ImageProperties.xml", "first tile", "TileGroup0/0-0-0.jpg")
 
     def test_iiif_descriptors(self):
         os.makedirs("i")

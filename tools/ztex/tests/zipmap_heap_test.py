@@ -78,7 +78,9 @@ class Result(Heaps):
         self.ztex("make", "zipmap", *pictures, "-o", "two.ztex", "--threads", "2", "--scene-out", "elsewhere/scene.json")
         self.ztex("make", "scene.json", "-o", "again.ztex")
         self.ztex("make", "elsewhere/scene.json", "-o", "moved.ztex")
-        for name in ("two", "again", "moved"):
+        # Each compared with the two that look most alike, which is where it belongs.
+        self.ztex("make", "zipmap", *pictures, "-o", "chosen.ztex", "--candidates", "2")
+        for name in ("two", "again", "moved", "chosen"):
             self.assertEqual(self.read("one.ztex"), self.read(f"{name}.ztex"), name)
 
     def test_page_needs_nothing_beside_it(self):
