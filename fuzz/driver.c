@@ -78,8 +78,8 @@ static int compare_names(const void *a, const void *b) {
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* The .ztex and .tile files of a folder by name, so that a campaign is the same everywhere. A folder that is not there is
- * empty. */
+/* The .ztex and .tile files of a folder by name, so that a campaign is the same everywhere. A folder that is not there
+ * is empty. */
 static void add_folder(const char *path, DIR *folder) {
     char *names[4096], full[4096];
     size_t count = 0;

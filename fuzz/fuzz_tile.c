@@ -79,8 +79,8 @@ static uint32_t decode_words(const zt__pred_kernel *kernel, const tile *t, const
     return verdict;
 }
 
-/* The others, with the decoder that files get. Their hash is not known: a tile whose texels are there breaks the rule of
- * the hash, and with the hash of those texels none. */
+/* The others, with the decoder that files get. Their hash is not known: a tile whose texels are there breaks the rule
+ * of the hash, and with the hash of those texels none. */
 static uint32_t decode_frame(const zt__pred_kernel *kernel, const tile *t, const uint8_t *stored, uint8_t *dst,
                              size_t pitch) {
     static const uint32_t formats[TILE_FIELD_FORMATS] = {131, 137, 139, 141, 145};

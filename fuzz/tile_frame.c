@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tiles whose stored bytes hold a zstd frame, from random numbers: those of codec 2 (spec/ztex.md section 6.4, Frames)
- * and those of codec 4 (section 6.5). Written from the specification alone; frames consist of raw and run-length blocks.
+ * and those of codec 4 (section 6.5). Written from the specification alone; frames consist of raw and run-length
+ * blocks.
  */
 #include "tile.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* XXH3-64 as a kernel: that of the system's library, which is made for SSE2, or compiled into a source that has chosen XXH_VECTOR and
- * the instructions for it. */
+/* XXH3-64 as a kernel: that of the system's library, which is made for SSE2, or compiled into a source that has chosen
+ * XXH_VECTOR and the instructions for it. */
 #ifdef XXH_VECTOR
 #define XXH_INLINE_ALL
 #else

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ready-made zt_parallel: a pool of POSIX threads. The calling thread works too, as worker 0. Runs are often shorter
- * than waking a thread takes, so all wait a moment in a loop before they sleep.
+/* The ready-made zt_parallel: a pool of POSIX threads. The calling thread works too, as worker 0. Runs are often
+ * shorter than waking a thread takes, so all wait a moment in a loop before they sleep.
  *
  * Each worker begins with a share of neighbouring indices and then helps the others. Neighbours mostly lie together in
- * memory: when indices were given out in turns, lines of one tile row and of the scratch memory went from cache to cache,
- * and each tile took a fifth longer (docs/decode-speed.md). */
+ * memory: when indices were given out in turns, lines of one tile row and of the scratch memory went from cache to
+ * cache, and each tile took a fifth longer (docs/decode-speed.md). */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>

@@ -96,8 +96,8 @@ zt_result zt__encode_stored(zt__encoder *encoder, const void *src, size_t size, 
 /* Memory of at least size bytes, kept until the next call of this or zt__encode_tile. */
 zt_result zt__encoder_memory(zt__encoder *encoder, uint64_t size, zt_diag *diag, uint8_t **out);
 
-/* The same for a tile of a level (file_effort.c) with the codecs that its form allows; form may be NULL. effort: 1 (fast)
- * to 9 (small). The same bytes on every machine. */
+/* The same for a tile of a level (file_effort.c) with the codecs that its form allows; form may be NULL. effort: 1
+ * (fast) to 9 (small). The same bytes on every machine. */
 zt_result zt__encode_tile(zt__encoder *encoder, uint32_t effort, const zt__tile_form *form, const void *src,
                           size_t size, void *dst, size_t dst_size, uint8_t *codec, size_t *stored_size, zt_diag *diag);
 

@@ -3,7 +3,8 @@
  * edge. Level 0 is held for that, so it must be small; every other image streams. */
 #include "file_write.h"
 
-/* One tile of the whole level takes the work memory of codec 2 and of zstd at its highest level, many times its bytes. */
+/* One tile of the whole level takes the work memory of codec 2 and of zstd at its highest level, many times its
+ * bytes. */
 enum { MOST_HELD = 1 << 24, SHARE_OF_MEMORY = 64 };
 
 static uint64_t level_bytes(const zt__write_image *image) {

@@ -198,7 +198,7 @@ static zt_result add_imag(layout *l) {
     return append_block(l, ZT__IMAG, bytes, size, (size_t)size);
 }
 
-/* ---- payloads, META, others --------------------------------------------------------------------------------------- */
+/* ---- payloads, META, others -------------------------------------------------------------------------------------- */
 
 static zt_result add_payloads_of(layout *l, const zt__chunk_type *type) {
     zt_writer *w = l->writer;
@@ -428,8 +428,7 @@ static zt_result put_front(layout *l, zt__output *out) {
     return r;
 }
 
-/* ---- writing
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static zt_result take_output(void *user, const void *data, size_t size, zt_diag *diag) {
     return zt__output_put(user, data, size, diag);

@@ -193,7 +193,8 @@ float zt__float_of_half(uint16_t half) {
     return sign != 0 ? -small : small;
 }
 
-/* VK_FORMAT_E5B9G9R9_UFLOAT_PACK32 (Vulkan 1.3 "Shared Exponent to RGB", EXT_texture_shared_exponent): N = 9, B = 15. */
+/* VK_FORMAT_E5B9G9R9_UFLOAT_PACK32 (Vulkan 1.3 "Shared Exponent to RGB", EXT_texture_shared_exponent): N = 9, B =
+ * 15. */
 static void unpack_shared(uint32_t word, float *rgba) {
     /* 2^(exponent - 24) is a normal float for every exponent. */
     float scale = zt__float_of_bits(((word >> 27) + (127 - 24)) << 23);

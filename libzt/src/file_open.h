@@ -152,8 +152,8 @@ zt_result zt__read_metadata(const zt_file *file, zt__sink *sink, zt__metadata **
 zt_result zt__tile_index_of(const zt_file *file, zt__sink *sink, uint32_t image, uint32_t unit,
                             const zt__tile_index **out);
 
-/* Reads and decodes one tile of a unit into rows of dst that begin pitch bytes apart (0: tight): rules 5001 to 5004, 5203,
- * 5302 to 5312. dst has room for the tile as the geometry gives it. */
+/* Reads and decodes one tile of a unit into rows of dst that begin pitch bytes apart (0: tight): rules 5001 to 5004,
+ * 5203, 5302 to 5312. dst has room for the tile as the geometry gives it. */
 zt_result zt__read_tile_into(const zt_file *file, zt__sink *sink, zt__decoder *decoder, uint32_t image, uint32_t unit,
                              uint64_t tile, void *dst, size_t pitch);
 

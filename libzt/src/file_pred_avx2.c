@@ -505,7 +505,8 @@ AVX2 void zt__pred_restore_avx2(zt__pred_job *job, uint32_t rows, uint8_t *dst, 
 }
 
 /* What comes to the third byte of 8 texels of 4 bytes. A float holds s exactly, and the root of a whole number that is
- * no square is further from the next whole number than a float errs: what is cut off is right in every rounding mode. */
+ * no square is further from the next whole number than a float errs: what is cut off is right in every rounding
+ * mode. */
 AVX2 static inline __m256i slopes8(__m256i texels) {
     const __m256i order = _mm256_setr_epi8(0, -128, 1, -128, 4, -128, 5, -128, 8, -128, 9, -128, 12, -128, 13, -128, 0,
                                            -128, 1, -128, 4, -128, 5, -128, 8, -128, 9, -128, 12, -128, 13, -128);

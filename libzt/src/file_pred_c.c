@@ -127,9 +127,9 @@ void zt__pred_measure_c(const uint8_t *high, const uint8_t *low, uint8_t *restri
 
 /* Texels are restored in a field of steps. Row i of the strip is LAG columns behind the row above it: its column x is
  * in slot i + 1 of step x + LAG x i, and that of the row above the strip in slot 0 of step x - LAG. So what a texel is
- * predicted from is in the steps before: to the left one step, above LAG, above to the left LAG + 1. All slots of a step
- * can be restored at once, and compilers make vectors of that. What is above was stored with other bounds than it is
- * loaded with, so it must have left the processor's store buffer: with fewer steps than 4 that is waited for. */
+ * predicted from is in the steps before: to the left one step, above LAG, above to the left LAG + 1. All slots of a
+ * step can be restored at once, and compilers make vectors of that. What is above was stored with other bounds than it
+ * is loaded with, so it must have left the processor's store buffer: with fewer steps than 4 that is waited for. */
 enum { LAG = 4, SLOTS = ZT__PRED_STRIP + 1, BEFORE = LAG + 1, BEHIND = LAG * (ZT__PRED_STRIP - 1) };
 
 /* The field is in the scratch memory for rows of texels (zt__pred_scratch_size). */

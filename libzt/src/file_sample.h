@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Looking up images (spec/ztex.md section 12): a set of images whose tiles are decoded when a lookup first touches them.
- * A set may be used by any number of threads at once: a tile is published once, and never changes.
+ * Looking up images (spec/ztex.md section 12): a set of images whose tiles are decoded when a lookup first touches
+ * them. A set may be used by any number of threads at once: a tile is published once, and never changes.
  */
 #ifndef ZT_FILE_SAMPLE_H
 #define ZT_FILE_SAMPLE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Saving what is intact of a damaged file. What was found is laid out anew as a file that exists only as an io: preamble,
- * directory, heads and padding from memory, stored bytes from the damaged file. The ordinary walk opens that.
+ * Saving what is intact of a damaged file. What was found is laid out anew as a file that exists only as an io:
+ * preamble, directory, heads and padding from memory, stored bytes from the damaged file. The ordinary walk opens that.
  */
 #ifndef ZT_RECOVER_H
 #define ZT_RECOVER_H
@@ -58,7 +58,8 @@ zt_result zt__recover_find(zt__recovery *r);
 const zt__found *zt__recover_chunk(const zt__recovery *r, uint32_t type);
 
 /* Lays the found chunks out and opens them as r->file. lone_texture: with a TEXS chunk of one texture in place of what
- * was found, and no payloads. *usable: images can be read; *textures_ok: TEXS too (payloads that cannot be read are NULL). */
+ * was found, and no payloads. *usable: images can be read; *textures_ok: TEXS too (payloads that cannot be read are
+ * NULL). */
 zt_result zt__recover_open(zt__recovery *r, bool lone_texture, bool *usable, bool *textures_ok);
 void zt__recover_close(zt__recovery *r);
 

@@ -39,7 +39,8 @@ void zt_silmap_shape_of(const zt_silmap_cell *cell, zt_silmap_shape *out) {
     out->cut = arms_cut(cell);
 }
 
-/* The one arm that leaves and is cut all the same, because a single edge of the cell runs on over the border; 0: there is none. */
+/* The one arm that leaves and is cut all the same, because a single edge of the cell runs on over the border; 0: there
+ * is none. */
 static unsigned arm_run_on(unsigned inside, unsigned leaving) {
     bool single = inside != 0 && (inside & (inside - 1)) == 0;
     unsigned opposite = (inside << 2 | inside >> 2) & 15u;

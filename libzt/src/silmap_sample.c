@@ -37,7 +37,8 @@ static zt_result fetch_corners(const lookup *l, uint32_t x, uint32_t y, double c
     return ZT_OK;
 }
 
-/* Cells that share a side have different places in the scratch, and so have the layers of samples that one lookup wants. */
+/* Cells that share a side have different places in the scratch, and so have the layers of samples that one lookup
+ * wants. */
 static zt_result corners_of(const lookup *l, uint32_t x, uint32_t y, const zt__silmap_corners **out) {
     const zt__silmap *s = l->view->silmap;
     zt__silmap_corners *c = &l->scratch->near[(x & 1) | (y & 1) << 1 | (l->view->samples & 1) << 2];
@@ -111,7 +112,8 @@ static int spans_of(const direction *d, span out[2]) {
 
 /* ---- one part (step 4) --------------------------------------------------------------------------------- */
 
-/* The signed distance of (x, y) from a line through (ax, ay) with the normal (nx, ny), over the box's reach along that. */
+/* The signed distance of (x, y) from a line through (ax, ay) with the normal (nx, ny), over the box's reach along
+ * that. */
 static double quotient(double x, double y, double bx, double by, double ax, double ay, double nx, double ny) {
     double distance = (x - ax) * nx + (y - ay) * ny;
     double reach = bx * fabs(nx) + by * fabs(ny);

@@ -21,8 +21,8 @@ typedef struct zt__silmap_corners {
     double colour[4][4]; /* [corner][channel] */
 } zt__silmap_corners;
 
-/* The cells that the last lookups met, so that points close to each other fetch the samples of a cell once. Zero-initialised is
- * empty; of one call. */
+/* The cells that the last lookups met, so that points close to each other fetch the samples of a cell once.
+ * Zero-initialised is empty; of one call. */
 typedef struct zt__silmap_scratch {
     zt__silmap_corners near[8];
 } zt__silmap_scratch;

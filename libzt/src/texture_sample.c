@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Samplers: the only place where a lookup meets every kind of texture. A sampler has a node for its texture and one for
- * each earlier texture that patches, bases or backgrounds show, directly or through others; all share one set of images.
+ * each earlier texture that patches, bases or backgrounds show, directly or through others; all share one set of
+ * images.
  */
 #include <math.h>
 
@@ -349,8 +350,8 @@ static zt_result sample_node(sampling *s, uint32_t index, const uint8_t wraps[3]
     return ZT_OK;
 }
 
-/* Recursion ends: a texture shows only earlier ones, and opening has bounded how deep. How many are shown for one point grows
- * as a power of the depth where patches overlap, so that is bounded as well. */
+/* Recursion ends: a texture shows only earlier ones, and opening has bounded how deep. How many are shown for one point
+ * grows as a power of the depth where patches overlap, so that is bounded as well. */
 static zt_result show(void *user, uint32_t index, const zt_point *point, zt__colours out) {
     sampling *s = user;
     uint32_t most = s->sampler->file->limits.shown_textures;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The sector of a point. Vertices are exact integers, and a linear map brings points to them; all that is asked there, signs and
- * ratios of cross products, does not depend on the map, so that nothing needs a length or an angle.
+ * The sector of a point. Vertices are exact integers, and a linear map brings points to them; all that is asked there,
+ * signs and ratios of cross products, does not depend on the map, so that nothing needs a length or an angle.
  */
 #include "umbrella_geometry.h"
 
@@ -73,7 +73,8 @@ void zt__umbrella_units(const zt_umbrella_info *info, const zt_umbrella *umbrell
 
 /* ---- buckets ---------------------------------------------------------------------------------------- */
 
-/* A quarter turn at most, so that a cross product says which of two directions comes first. Few enough to stay in caches. */
+/* A quarter turn at most, so that a cross product says which of two directions comes first. Few enough to stay in
+ * caches. */
 uint32_t zt__bucket_count(uint32_t vertices) {
     uint32_t n = 4;
     while (n < ZT__MOST_BUCKETS && 2 * n < vertices)
@@ -123,8 +124,8 @@ static uint32_t find_sector(const zt__contour *c, const zt__bucket *buckets, dou
     return vertex_number(c, first + least - 1);
 }
 
-/* Sets all but the coverage. A direction next to a bucket's side may be rounded to the wrong one, and a morph may turn a vertex
- * far: the sector is then one of the next. Without buckets (NULL) it is sought from the first one on. */
+/* Sets all but the coverage. A direction next to a bucket's side may be rounded to the wrong one, and a morph may turn
+ * a vertex far: the sector is then one of the next. Without buckets (NULL) it is sought from the first one on. */
 static void enter_sector(zt__sector *s, const zt__bucket *buckets) {
     const zt__contour *c = &s->contour;
     bool at_centre = s->x == 0 && s->y == 0;

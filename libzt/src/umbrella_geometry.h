@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where a point lies in an umbrella (spec/umbrella.md section 3, steps 1 to 3), and what a sampler prepares for that. */
+/* Where a point lies in an umbrella (spec/umbrella.md section 3, steps 1 to 3), and what a sampler prepares for
+ * that. */
 #ifndef ZT_UMBRELLA_GEOMETRY_H
 #define ZT_UMBRELLA_GEOMETRY_H
 
 #include "umbrella_payload.h"
 
-/* The directions from a centre are cut into buckets. For directions in one: how many vertices, counted from a first one, come
- * before them at least and at most, whatever the weight of the morph. */
+/* The directions from a centre are cut into buckets. For directions in one: how many vertices, counted from a first
+ * one, come before them at least and at most, whatever the weight of the morph. */
 typedef struct zt__bucket {
     int16_t least, most;
 } zt__bucket;
 
-/* An umbrella, ready for lookups. Its vertices are integers in units of their own: forms 1 and 2 as they are stored; form 0 in
- * 1/65535 of the picture, with a morph in 1/255 of that. */
+/* An umbrella, ready for lookups. Its vertices are integers in units of their own: forms 1 and 2 as they are stored;
+ * form 0 in 1/65535 of the picture, with a morph in 1/255 of that. */
 typedef struct zt__placed {
-    double x, y;     /* centre, in cells of its level */
-    double units[4]; /* from cells to units: rows (0, 1) and (2, 3) */
-    double
-        radius; /* no vertex is further, in cells; with a morph a bound, else exact. Coverage ends a pixel's reach behind it */
+    double x, y;      /* centre, in cells of its level */
+    double units[4];  /* from cells to units: rows (0, 1) and (2, 3) */
+    double radius;    /* no vertex is further, in cells; with a morph a bound, else exact. Coverage ends a pixel's reach
+                         behind it */
     uint32_t buckets; /* in zt__umbrella_scene.buckets: the first vertex as `least`, then the buckets */
 } zt__placed;
 
@@ -61,7 +62,8 @@ typedef struct zt__sector {
     double coverage; /* 0: the fields above may be left out */
 } zt__sector;
 
-/* A pixel around a point: its derivatives in cells, in the order x and y of that for one step in x, then for one in y. */
+/* A pixel around a point: its derivatives in cells, in the order x and y of that for one step in x, then for one in
+ * y. */
 typedef struct zt__pixel {
     double d[4];
     double reach; /* no line has a larger one */

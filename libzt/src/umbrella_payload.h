@@ -48,8 +48,8 @@ uint32_t zt__count_cells(const zt__umbrella_header *header);
 zt_result zt__check_umbrella_header(zt__sink *sink, const zt__umbrella_header *header, const zt__payload_scope *scope,
                                     uint64_t offset);
 
-/* Allocates umbrellas with their arrays, which are left to be filled; what the header gives of levels is there. The header
- * has been checked. Bases, umbrellas and colours are zeros. */
+/* Allocates umbrellas with their arrays, which are left to be filled; what the header gives of levels is there. The
+ * header has been checked. Bases, umbrellas and colours are zeros. */
 zt_result zt__umbrellas_new(zt__memory *memory, const zt__umbrella_header *header, const zt__payload_scope *scope,
                             zt_diag *diag, zt__umbrellas **out);
 
@@ -64,7 +64,8 @@ zt_result zt__link_lists(zt__sink *sink, zt__umbrellas *umbrellas, const zt__pay
 zt_result zt__check_umbrellas(zt__sink *sink, const zt__umbrellas *umbrellas, const zt__payload_scope *scope,
                               uint64_t offset);
 
-/* Decodes a UMBR chunk; of the limits listed_umbrellas counts here. *out is one block, freed with zt__free(memory, u, 1, u->block_size). */
+/* Decodes a UMBR chunk; of the limits listed_umbrellas counts here. *out is one block, freed with zt__free(memory, u,
+ * 1, u->block_size). */
 zt_result zt__decode_umbrellas(zt__sink *sink, zt__memory *memory, zt__decoder *decoder, const zt_limits *limits,
                                const uint8_t *data, size_t size, const zt__payload_scope *scope, uint64_t offset,
                                zt__umbrellas **out);

@@ -188,8 +188,8 @@ static bool comes_near(const double from[3], const double delta[3], double radiu
     return across * across <= radius2 * length2;
 }
 
-/* Where the piece meets the shape, from the nearer one on; returns how many. from: relative to the centre; both with heights as
- * the shape counts them. */
+/* Where the piece meets the shape, from the nearer one on; returns how many. from: relative to the centre; both with
+ * heights as the shape counts them. */
 static int meet(const shape *s, const double from[3], const double delta[3], double out[2]) {
     if (s->kind == ZT_ELLIPSOID_FLAT) {
         out[0] = -from[2] / delta[2];

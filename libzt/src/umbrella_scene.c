@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a sampler prepares for umbrellas: it takes as long as there are umbrellas and stored vertices, however many vertices
- * the umbrellas of a base share. */
+/* What a sampler prepares for umbrellas: it takes as long as there are umbrellas and stored vertices, however many
+ * vertices the umbrellas of a base share. */
 #include <math.h>
 
 #include "umbrella_geometry.h"
@@ -36,8 +36,8 @@ static void count_vertices(const zt__contour *c, int16_t *counts, uint32_t bucke
         counts[b + 1] = (int16_t)(counts[b + 1] + counts[b]);
 }
 
-/* By how many vertices the first one of the moved contour lies behind that of the contour; before it: negative. A vertex moves by
- * less than half a turn. */
+/* By how many vertices the first one of the moved contour lies behind that of the contour; before it: negative. A
+ * vertex moves by less than half a turn. */
 static int32_t turned_by(const zt__contour *c, uint32_t first, const zt__contour *moved) {
     uint32_t i = first_vertex(moved);
     zt_umbrella_offset from = zt__contour_vertex(c, i), to = zt__contour_vertex(moved, i);
@@ -46,8 +46,8 @@ static int32_t turned_by(const zt__contour *c, uint32_t first, const zt__contour
     return came_over ? behind - c->count : behind;
 }
 
-/* Makes the buckets of a contour; moved: its other form, or NULL. A vertex's direction goes from the one to the other without
- * turning back, so that what holds for both holds between them. */
+/* Makes the buckets of a contour; moved: its other form, or NULL. A vertex's direction goes from the one to the other
+ * without turning back, so that what holds for both holds between them. */
 static uint32_t make_buckets(making *m, const zt__contour *c, const zt__contour *moved) {
     int16_t counts[ZT__MOST_BUCKETS + 1], others[ZT__MOST_BUCKETS + 1];
     uint32_t n = zt__bucket_count(c->count), at = m->used, first = first_vertex(c);

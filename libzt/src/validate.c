@@ -186,8 +186,8 @@ static zt_result check_tiles(validation *v, zt__decoder *decoders) {
 
 /* ---- borders of patches: R8112 ---- */
 
-/* Finds a texel whose coverage is not zero among count texels that are stride bytes apart: its index, or count. Coverage
- * zero: all bytes of the channel zero (for floats also the sign alone: -0 covers nothing). */
+/* Finds a texel whose coverage is not zero among count texels that are stride bytes apart: its index, or count.
+ * Coverage zero: all bytes of the channel zero (for floats also the sign alone: -0 covers nothing). */
 static uint32_t find_covered(const zt_format_info *format, const uint8_t *texels, size_t stride, uint32_t count) {
     uint32_t channel_bytes = format->channel_bits / 8u, from = (format->channels - 1u) * channel_bytes;
     for (uint32_t i = 0; i < count; i++) {

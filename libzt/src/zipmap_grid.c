@@ -26,9 +26,9 @@ typedef struct box {
 
 static const box empty_box = {1.0, 1.0, 0.0, 0.0};
 
-/* The corner (x, y) of patch space, brought to root space by the adjugate a of m: the determinant cancels in the division.
- * Where m is so close to singular that the corner does not come back, or where rounding at the rim of R8111 loses it, the
- * patch may be anywhere. */
+/* The corner (x, y) of patch space, brought to root space by the adjugate a of m: the determinant cancels in the
+ * division. Where m is so close to singular that the corner does not come back, or where rounding at the rim of R8111
+ * loses it, the patch may be anywhere. */
 static void add_corner(const double m[9], const double a[9], double x, double y, box *b) {
     double w = (a[6] * x + a[7] * y) + a[8];
     double u = ((a[0] * x + a[1] * y) + a[2]) / w;
@@ -187,7 +187,8 @@ static void put(zt__grid_cell *cells, const zt__grid_node *n, const span *s, uin
     }
 }
 
-/* Counting sort of a list, which lies in `patches` itself, into the cells of a new grid: front first, as the list has it. */
+/* Counting sort of a list, which lies in `patches` itself, into the cells of a new grid: front first, as the list has
+ * it. */
 static zt_result fill(building *b, const zt__grid_node *n, uint32_t list, uint32_t count, uint64_t entries) {
     zt__patch_grid *g = b->grid;
     uint32_t cell_count = n->width * n->height;

@@ -38,8 +38,8 @@ double zt__adjugate(const double m[9], double a[9]);
 void zt__multiply(const double p[9], const double q[9], double out[9]);
 
 /*
- * The patch grid over root space: for each cell the patches that may touch it, front to back (descending index), root left
- * out. A cell whose list is long because many small patches crowd in it has a grid of its own.
+ * The patch grid over root space: for each cell the patches that may touch it, front to back (descending index), root
+ * left out. A cell whose list is long because many small patches crowd in it has a grid of its own.
  */
 typedef struct zt__grid_cell {
     uint32_t first; /* into patches; or a grid's index */

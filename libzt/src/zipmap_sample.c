@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lookups in zipmaps: equation (1) of Eisemann and Magnor 2010 in the order of spec/zipmap.md section 3, from the front,
- * so that it ends where nothing behind shows.
+ * Lookups in zipmaps: equation (1) of Eisemann and Magnor 2010 in the order of spec/zipmap.md section 3, from the
+ * front, so that it ends where nothing behind shows.
  */
 #include "zipmap_sample.h"
 

@@ -240,8 +240,8 @@ static void test_depth(uint32_t depth) {
     }
 }
 
-/* Three patches that each show a zipmap of three patches: 3 + 9 textures for one point. Without a limit the work would grow
- * with the depth as a power. */
+/* Three patches that each show a zipmap of three patches: 3 + 9 textures for one point. Without a limit the work would
+ * grow with the depth as a power. */
 static void test_shown(void) {
     chain_size = 0;
     write_chain(2, 3);

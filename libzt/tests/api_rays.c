@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rays agree with conformance/valid/rays.json, which the reference reader computed from the specification alone: what they hit, where, its
- * colour and its normal.
+ * Rays agree with conformance/valid/rays.json, which the reference reader computed from the specification alone: what
+ * they hit, where, its colour and its normal.
  */
 #include <math.h>
 

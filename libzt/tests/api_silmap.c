@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Silmaps through the public calls: what is written comes back, cells that say nothing in one form only; what breaks a rule
- * is refused by number; a request names the bytes of all its images; recovery keeps what is intact; and every call survives any
- * allocation that fails.
+ * Silmaps through the public calls: what is written comes back, cells that say nothing in one form only; what breaks a
+ * rule is refused by number; a request names the bytes of all its images; recovery keeps what is intact; and every call
+ * survives any allocation that fails.
  */
 #include <zt/zt_check.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: the filters of silmaps are what spec/silmap.md sections 4, 5 and 7 say, over random cells: one quadrant for each
- * point, weights that sum to 1, values that jump across cut arms and nowhere else, areas that are those of the quadrants. A
- * filter with a seam shows as a line on every magnified picture.
+ * Property: the filters of silmaps are what spec/silmap.md sections 4, 5 and 7 say, over random cells: one quadrant for
+ * each point, weights that sum to 1, values that jump across cut arms and nowhere else, areas that are those of the
+ * quadrants. A filter with a seam shows as a line on every magnified picture.
  */
 #include <math.h>
 #include <stdbool.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a lookup in a silmap is what spec/silmap.md section 6 says, for every format, wrap mode, filter and frame: a slow
- * reference made from zt_silmap_weights agrees. And what a picture shows of it: edges slide smoothly under a pixel, a small
- * pixel sees what a point sees, and nothing pops while the picture shrinks.
+ * Property: a lookup in a silmap is what spec/silmap.md section 6 says, for every format, wrap mode, filter and frame:
+ * a slow reference made from zt_silmap_weights agrees. And what a picture shows of it: edges slide smoothly under a
+ * pixel, a small pixel sees what a point sees, and nothing pops while the picture shrinks.
  */
 #include <math.h>
 
@@ -304,7 +304,8 @@ static zt_point box_at(double u, double v, double edge) {
     return p;
 }
 
-/* The box goes over sides of cells and over arms: a step moves the value by no more than the share of the box that it moves. */
+/* The box goes over sides of cells and over arms: a step moves the value by no more than the share of the box that it
+ * moves. */
 static void check_sliding(const zt_sampler *sampler, uint64_t *seed) {
     static zt_point points[STEPS];
     static float out[4 * STEPS];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Umbrellas through the public calls: what is written comes back, whatever the derived fields held before; what breaks a rule is
- * refused by number and harms nothing; a request names the bytes of all pictures; recovery keeps what is intact and follows textures
- * that move; and every call survives any allocation that fails.
+ * Umbrellas through the public calls: what is written comes back, whatever the derived fields held before; what breaks
+ * a rule is refused by number and harms nothing; a request names the bytes of all pictures; recovery keeps what is
+ * intact and follows textures that move; and every call survives any allocation that fails.
  */
 #include <zt/zt_check.h>
 #include <zt/zt_write.h>

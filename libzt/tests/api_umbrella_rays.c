@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a ray through a prism of umbrellas hits what spec/umbrella.md sections 5 and 6 say: a slow reference agrees that cuts
- * the ray at every side of a cell. And what a picture shows of it: where heights have been tapered away it is the lookup in
- * 2-D, a ray straight down meets the umbrella that lies on top, a dome's top is as high as the file says, outlines are not
- * those of the ground, and no number of a ray does harm.
+ * Property: a ray through a prism of umbrellas hits what spec/umbrella.md sections 5 and 6 say: a slow reference agrees
+ * that cuts the ray at every side of a cell. And what a picture shows of it: where heights have been tapered away it is
+ * the lookup in 2-D, a ray straight down meets the umbrella that lies on top, a dome's top is as high as the file says,
+ * outlines are not those of the ground, and no number of a ray does harm.
  */
 #include "umbrella_reference.h"
 
@@ -448,8 +448,8 @@ static void check_apex(void) {
     }
 }
 
-/* A ray that comes in flatly above a dome leaves through the other side of the prism: nothing is there, though the ground is
- * covered. A little lower it hits the dome, the lower the sooner. */
+/* A ray that comes in flatly above a dome leaves through the other side of the prism: nothing is there, though the
+ * ground is covered. A little lower it hits the dome, the lower the sooner. */
 static void check_silhouette(void) {
     stage s = one_dome(ZT_ELLIPSOID_CONVEX, 40000, 30000, 0);
     zt_file *file = stage_open(&s);
@@ -471,8 +471,8 @@ static void check_silhouette(void) {
     stage_free(&s);
 }
 
-/* The taper is of the place along the ray, so that a side of a cell cannot be seen: where rays come ever closer to one from
- * both sides, so do their hits. */
+/* The taper is of the place along the ray, so that a side of a cell cannot be seen: where rays come ever closer to one
+ * from both sides, so do their hits. */
 static void check_no_cracks(void) {
     stage s = one_dome(ZT_ELLIPSOID_CONVEX, 40000, 30000, 0);
     zt_file *file = stage_open(&s);
@@ -497,8 +497,8 @@ static void check_no_cracks(void) {
     stage_free(&s);
 }
 
-/* Among flat umbrellas without holes a ray straight down meets the topmost one that covers the point, so that its colour is that
- * of the lookup in 2-D. */
+/* Among flat umbrellas without holes a ray straight down meets the topmost one that covers the point, so that its
+ * colour is that of the lookup in 2-D. */
 static void check_straight_down(void) {
     stage_setup t = hills;
     t.solid = false;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a lookup in umbrellas is what spec/umbrella.md sections 3 and 4 say, for every form, colour mode, wrap mode, filter,
- * background and light: a slow reference that asks every sector agrees.
+ * Property: a lookup in umbrellas is what spec/umbrella.md sections 3 and 4 say, for every form, colour mode, wrap
+ * mode, filter, background and light: a slow reference that asks every sector agrees.
  */
 #include "umbrella_reference.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: what pictures of umbrellas show. A vertex has its own colour, and colours do not jump where sectors or cells meet,
- * where the texture repeats, or while it shrinks; shadows lie below umbrellas only; umbrellas show other textures and are
- * shown by them, within the limits; and no coordinate does harm.
+ * Property: what pictures of umbrellas show. A vertex has its own colour, and colours do not jump where sectors or
+ * cells meet, where the texture repeats, or while it shrinks; shadows lie below umbrellas only; umbrellas show other
+ * textures and are shown by them, within the limits; and no coordinate does harm.
  */
 #include "umbrella_reference.h"
 
@@ -25,8 +25,8 @@ static const stage_setup plain = {
 
 /* ---- colours ---- */
 
-/* One umbrella of form 2, in both modes: at each vertex, and at the centre, the colour that is stored there; and the way from one
- * sector to the next is smooth. */
+/* One umbrella of form 2, in both modes: at each vertex, and at the centre, the colour that is stored there; and the
+ * way from one sector to the next is smooth. */
 static void check_vertices(zt_umbrella_colour_mode mode) {
     stage_setup t = plain;
     t.umbrellas = t.levels = 1;
@@ -60,8 +60,8 @@ static void check_vertices(zt_umbrella_colour_mode mode) {
 
 /* ---- no seams ---- */
 
-/* Both sides of the sides of cells, of every level, and of the texture's own, which repeats; and a pixel that grows over all
- * levels: the steps are small, and so are the changes. */
+/* Both sides of the sides of cells, of every level, and of the texture's own, which repeats; and a pixel that grows
+ * over all levels: the steps are small, and so are the changes. */
 static void check_smooth(void) {
     stage s = stage_make(&plain, 22);
     zt_file *file = stage_open(&s);
@@ -104,7 +104,8 @@ static void check_smooth(void) {
 
 /* ---- shadows ---- */
 
-/* One umbrella: the ground is darker exactly where the umbrella is on the way to the light, and the umbrella itself nowhere. */
+/* One umbrella: the ground is darker exactly where the umbrella is on the way to the light, and the umbrella itself
+ * nowhere. */
 static void check_shadows(void) {
     stage_setup t = plain;
     t.umbrellas = t.levels = 1;
@@ -148,7 +149,8 @@ static void check_shadows(void) {
 
 enum { PATCH = STAGE_UMBRELLAS + 1, NESTED };
 
-/* Behind the stage: a zipmap with a patch that shows the umbrellas, and umbrellas whose bases and background show the zipmap. */
+/* Behind the stage: a zipmap with a patch that shows the umbrellas, and umbrellas whose bases and background show the
+ * zipmap. */
 static stage make_nested(uint64_t seed) {
     stage_setup t = plain;
     t.below = ZT_BACKGROUND_TEXTURE;
@@ -219,7 +221,8 @@ static void check_bases(const zt_file *file, const stage_setup *t) {
         float got[4];
         double want[4], below[4], rest[4];
         look_up(nested, &p, got);
-        /* What is behind is the zipmap, not the image that the reference takes: known by what a black ground leaves out. */
+        /* What is behind is the zipmap, not the image that the reference takes: known by what a black ground leaves
+         * out. */
         zt_point at = {.u = p.u - floor(p.u), .v = p.v - floor(p.v), .du_dx = p.du_dx, .dv_dy = p.dv_dy};
         look(patch, &at, below);
         r.info.background_kind = ZT_BACKGROUND_COLOUR;

@@ -2,7 +2,8 @@
 /*
  * When the system refuses a call of the writer, whichever and whenever: ZT_IO with the name of the call and the reason,
  * at the path what was there before (or, behind the rename, the new file whole), no temporary file and no descriptor
- * left. Calls that a signal interrupts are made again (no signal interrupts a rename). Disks fill up and fail while textures are written.
+ * left. Calls that a signal interrupts are made again (no signal interrupts a rename). Disks fill up and fail while
+ * textures are written.
  *
  * This program defines the calls itself; they stand in front of libc's.
  */

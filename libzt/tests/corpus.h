@@ -117,7 +117,8 @@ static inline const char *numbers_of(const char *text, double *out, size_t count
     return text;
 }
 
-/* A file of the corpus by its name. The last one is kept open, for files follow each other in the lists; "" closes it. */
+/* A file of the corpus by its name. The last one is kept open, for files follow each other in the lists; "" closes
+ * it. */
 static inline const zt_file *valid_file(const char *name) {
     static char open_name[256];
     static zt_file *file;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tiles of codec 4: the fields of blocks lie where the specification says and come together again, in whole tiles and in
- * parts, without touching a byte outside; tiles that any effort codes decode to their blocks and none is larger than
+/* Tiles of codec 4: the fields of blocks lie where the specification says and come together again, in whole tiles and
+ * in parts, without touching a byte outside; tiles that any effort codes decode to their blocks and none is larger than
  * with codec 1; damaged tiles break a rule and nothing else. */
 #define _DEFAULT_SOURCE
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: texels survive conversion. Every code of every integer format, and every half, comes back from unpacking and
- * packing, also through linear light; the fast paths give the bits of the slow ones; transfers agree with libm. A code that
- * moved would change an image each time a tool rewrites it.
+ * Property: texels survive conversion. Every code of every integer format, and every half, comes back from unpacking
+ * and packing, also through linear light; the fast paths give the bits of the slow ones; transfers agree with libm. A
+ * code that moved would change an image each time a tool rewrites it.
  *
  * `test_format --table` prints libzt/src/file_format_table.c.
  */

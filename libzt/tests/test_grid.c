@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: the patch grid loses nothing and costs what overlaps. For any point the list of its cell holds every patch that
- * covers the point, front to back; lists stay about as long as the true overlap; and the grid's size is bounded.
+ * Property: the patch grid loses nothing and costs what overlaps. For any point the list of its cell holds every patch
+ * that covers the point, front to back; lists stay about as long as the true overlap; and the grid's size is bounded.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* XXH3-64 compiled for AVX2 and AVX-512 gives what the library gives, at once, in pieces and by rows, whatever the size and the
- * place. Matters because a file made on one machine is checked on another. */
+/* XXH3-64 compiled for AVX2 and AVX-512 gives what the library gives, at once, in pieces and by rows, whatever the size
+ * and the place. Matters because a file made on one machine is checked on another. */
 #include <string.h>
 
 #include "base_hash.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: lookups give what spec/ztex.md section 12 and spec/zipmap.md section 3 say. The same formulas stand here once
- * more, slow and in doubles, over every texel and every patch; samplers of random images and zipmaps must agree with them,
- * whatever the number of threads, and survive any coordinates.
+ * Property: lookups give what spec/ztex.md section 12 and spec/zipmap.md section 3 say. The same formulas stand here
+ * once more, slow and in doubles, over every texel and every patch; samplers of random images and zipmaps must agree
+ * with them, whatever the number of threads, and survive any coordinates.
  */
 #include <math.h>
 #include <pthread.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a silmap comes back from encoding and decoding as it was, each of rules 8201 to 8207 is found when it alone is
- * broken, memory limits hold before anything is allocated, and cells that say nothing cost nothing in the file. Payloads come
- * from files of strangers.
+ * Property: a silmap comes back from encoding and decoding as it was, each of rules 8201 to 8207 is found when it alone
+ * is broken, memory limits hold before anything is allocated, and cells that say nothing cost nothing in the file.
+ * Payloads come from files of strangers.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -154,7 +154,8 @@ static void check_cell_rules(zt__memory *memory) {
     release(memory, s);
 }
 
-/* A cell is idle when all four arms are uncut; two of them are its neighbours' bits, across the seam where that is one. */
+/* A cell is idle when all four arms are uncut; two of them are its neighbours' bits, across the seam where that is
+ * one. */
 static void check_idle(zt__memory *memory) {
     for (int repeat = 0; repeat < 2; repeat++) {
         zt__silmap *s = make(memory, 3);

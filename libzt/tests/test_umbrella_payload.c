@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: umbrellas come back from encoding and decoding as they were, limits hold before anything is allocated, and chunks that
- * were damaged, or changed and sealed again at random, are refused or are sound. Payloads come from files of strangers. An
- * argument: the number of random changes.
+ * Property: umbrellas come back from encoding and decoding as they were, limits hold before anything is allocated, and
+ * chunks that were damaged, or changed and sealed again at random, are refused or are sound. Payloads come from files
+ * of strangers. An argument: the number of random changes.
  */
 #include "umbrella_payload.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: each of rules 8301 to 8315 is found by loader and validator when it alone is broken in otherwise sound bytes, and the
- * validator goes on to the next base, umbrella and list. A lookup believes what the rules say.
+ * Property: each of rules 8301 to 8315 is found by loader and validator when it alone is broken in otherwise sound
+ * bytes, and the validator goes on to the next base, umbrella and list. A lookup believes what the rules say.
  */
 #include "umbrella_payload.h"
 
@@ -22,8 +22,8 @@ enum { HEADER = 1000 };
 #define NOT_A_NUMBER UINT32_C(0x7FC00000)
 #define INFINITE UINT32_C(0x7F800000)
 
-/* Umbrella 0 has form 0, 1 form 1, 2 form 2, 3 form 0 mirrored, all of base 0; 4 to 7 the same of base 1. Of level 1, the
- * first is 17. */
+/* Umbrella 0 has form 0, 1 form 1, 2 form 2, 3 form 0 mirrored, all of base 0; 4 to 7 the same of base 1. Of level 1,
+ * the first is 17. */
 static const breakage breakages[] = {
     {0, HEADER + 0, 0, 7},
     {8301, HEADER + 0, 0, 0},

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: for every star polygon that the format allows, also with vertices at its limits and with any weight of a morph, the
- * search finds the sector that a loop over all finds, the point is where its barycentric coordinates say, no point that
- * has coverage is taken for far away, and the public call, which prepares nothing, gives the same numbers. A wrong sector is a
- * hole in a leaf.
+ * Property: for every star polygon that the format allows, also with vertices at its limits and with any weight of a
+ * morph, the search finds the sector that a loop over all finds, the point is where its barycentric coordinates say, no
+ * point that has coverage is taken for far away, and the public call, which prepares nothing, gives the same numbers. A
+ * wrong sector is a hole in a leaf.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -121,7 +121,8 @@ static void check_query(const single *s, const zt__umbrella_scene *scene, double
     CHECK(fabs(g * a.x + k * b.x - ux) <= 1e-12 * size + lost && fabs(g * a.y + k * b.y - uy) <= 1e-12 * size + lost);
 }
 
-/* The buckets alone leave only sectors next to the right one; else the search would have to be put right vertex by vertex. */
+/* The buckets alone leave only sectors next to the right one; else the search would have to be put right vertex by
+ * vertex. */
 static void check_buckets(const single *s, const zt__umbrella_scene *scene, double x, double y) {
     const zt__placed *p = &scene->placed[0];
     zt__contour c = zt__contour_of(&s->umbrellas.view, &s->umbrella);
@@ -199,8 +200,8 @@ static bool is_morph(const zt_umbrella_offset *d, const zt_umbrella_offset *e, u
     return is_star(e, count);
 }
 
-/* The second contour is any other, where one that is a morph is found; else the first one, turned by up to nearly a quarter,
- * with other radii if that is a morph. */
+/* The second contour is any other, where one that is a morph is found; else the first one, turned by up to nearly a
+ * quarter, with other radii if that is a morph. */
 static void set_base(single *s, uint64_t *seed) {
     static zt_umbrella_offset v[MOST_CORNERS], moved[MOST_CORNERS];
     uint32_t count = random_star(v, 32000, MOST_CORNERS, seed);
@@ -246,8 +247,8 @@ static void set_sliver(single *s) {
     s->umbrella = (zt_umbrella){.form = ZT_UMBRELLA_COLOURED, .vertex_count = 4};
 }
 
-/* Vertices exactly where one bucket ends and the next begins: points of a diamond. Rounding puts a point on the way to one into
- * either. */
+/* Vertices exactly where one bucket ends and the next begins: points of a diamond. Rounding puts a point on the way to
+ * one into either. */
 static void set_sides(single *s) {
     enum { SIDE = 8 };
     for (int32_t i = 0; i < 4 * SIDE; i++) {

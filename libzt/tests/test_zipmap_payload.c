@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a zipmap comes back from encoding and decoding as it was, each of rules 8101 to 8111 is found when it alone is
- * broken, limits hold, and a validator that goes on behind a finding stays safe. Payloads come from files of strangers.
+ * Property: a zipmap comes back from encoding and decoding as it was, each of rules 8101 to 8111 is found when it alone
+ * is broken, limits hold, and a validator that goes on behind a finding stays safe. Payloads come from files of
+ * strangers.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tests of the umbrellas' payload share: coding a chunk without a file around it, and taking it apart plane by plane.
- * umbrella_payload.h comes before. */
+/* What the tests of the umbrellas' payload share: coding a chunk without a file around it, and taking it apart plane by
+ * plane. umbrella_payload.h comes before. */
 #ifndef ZT_TESTS_UMBRELLA_CHUNK_H
 #define ZT_TESTS_UMBRELLA_CHUNK_H
 

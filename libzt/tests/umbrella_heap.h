@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tests of umbrellas share: a random heap of umbrellas with every form, valid by spec/umbrella.md section 2. */
+/* What the tests of umbrellas share: a random heap of umbrellas with every form, valid by spec/umbrella.md section
+ * 2. */
 #ifndef ZT_TESTS_UMBRELLA_HEAP_H
 #define ZT_TESTS_UMBRELLA_HEAP_H
 
@@ -22,8 +23,8 @@ typedef struct heap_setup {
     zt_background_kind below; /* image and texture as those of bases */
 } heap_setup;
 
-/* info is what a reader of the file gives. Base 0 has a morph, two variants and a convex ellipsoid; base 1 none of them. The
- * umbrellas of level 0 take turns with the forms 0, 1, 2 and 0 mirrored. */
+/* info is what a reader of the file gives. Base 0 has a morph, two variants and a convex ellipsoid; base 1 none of
+ * them. The umbrellas of level 0 take turns with the forms 0, 1, 2 and 0 mirrored. */
 typedef struct heap {
     zt_umbrella_info info;
     zt_umbrella_level levels[HEAP_LEVELS];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What the tests of lookups in umbrellas share: a file with a texture of umbrellas whose lists are right, and what stands in its
- * way: pictures, a background, and textures that show the umbrellas.
+ * What the tests of lookups in umbrellas share: a file with a texture of umbrellas whose lists are right, and what
+ * stands in its way: pictures, a background, and textures that show the umbrellas.
  */
 #ifndef ZT_TESTS_UMBRELLA_STAGE_H
 #define ZT_TESTS_UMBRELLA_STAGE_H
@@ -16,8 +16,8 @@
 
 enum { STAGE_BASES = 3, STAGE_LEVELS = 4, STAGE_RGBA8_SRGB = 43 };
 
-/* The file's textures: one for each base's picture, the background's image with the wrap modes of the umbrellas, and clamped, the
- * umbrellas. */
+/* The file's textures: one for each base's picture, the background's image with the wrap modes of the umbrellas, and
+ * clamped, the umbrellas. */
 enum { STAGE_BELOW = STAGE_BASES, STAGE_CLAMPED, STAGE_UMBRELLAS };
 
 typedef struct stage_setup {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* An affine frame around a picture that a homography places, for readers and data that know offset, turn and scale only. */
+/* An affine frame around a picture that a homography places, for readers and data that know offset, turn and scale
+ * only. */
 #include "adjust.h"
 
 #include <math.h>

@@ -2,16 +2,18 @@
 /*
  * A patch takes the colours of what lies beneath it.
  *
- * Patch and ground are compared on a grid of cells as large as the ground's texels (adjust_grid.c), both low-passed in the same way: what is
- * left between them is a difference of light, not of detail. A gain that varies smoothly over the patch (vignetting, shading), and an
- * offset, are fitted to it by robust least squares. The Poisson equation with the patch's gradient as guidance has as its solution
- * the patch plus the harmonic function e that is, on the edge, ground minus patch. There e is the low-passed difference, never that of
- * single texels: detail on the edge that the ground lacks would otherwise be smeared into the patch. Gains are of light, but e is a difference of
- * about what the eye sees, roots of light: what is nothing on a bright edge would be a strong cast where the patch is dark.
+ * Patch and ground are compared on a grid of cells as large as the ground's texels (adjust_grid.c), both low-passed in
+ * the same way: what is left between them is a difference of light, not of detail. A gain that varies smoothly over the
+ * patch (vignetting, shading), and an offset, are fitted to it by robust least squares. The Poisson equation with the
+ * patch's gradient as guidance has as its solution the patch plus the harmonic function e that is, on the edge, ground
+ * minus patch. There e is the low-passed difference, never that of single texels: detail on the edge that the ground
+ * lacks would otherwise be smeared into the patch. Gains are of light, but e is a difference of about what the eye
+ * sees, roots of light: what is nothing on a bright edge would be a strong cast where the patch is dark.
  *
- * Where the patch is clipped, its own light is lost and neither gain nor gradient knows it. There the difference goes to the clipped texels
- * themselves, so that they are, on the whole, as light as the ground. Where the ground is clipped, a lighter patch agrees with it: the
- * difference is what the ground's camera cut off, and would be a cast beside it.
+ * Where the patch is clipped, its own light is lost and neither gain nor gradient knows it. There the difference goes
+ * to the clipped texels themselves, so that they are, on the whole, as light as the ground. Where the ground is
+ * clipped, a lighter patch agrees with it: the difference is what the ground's camera cut off, and would be a cast
+ * beside it.
  */
 #include "adjust_grid.h"
 #include "zipmap_private.h"
@@ -132,8 +134,8 @@ static int by_value(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Standard deviation of what a cell of ground says: where the picture changes, patch and ground are never quite equally sharp. Such
- * cells would make a fit of the darker by the lighter ones too flat, and too light where it is dark. */
+/* Standard deviation of what a cell of ground says: where the picture changes, patch and ground are never quite equally
+ * sharp. Such cells would make a fit of the darker by the lighter ones too flat, and too light where it is dark. */
 static float accuracy_of(float ground, float change) {
     float plain = ACCURATE * (fmaxf(ground, 0.0f) + DARK), busy = MISPLACED * change;
     return sqrtf(plain * plain + busy * busy);
@@ -289,7 +291,8 @@ static float comparable(float value, float ground, float cut) {
     return value - fminf(cut / CUT, 1.0f) * fmaxf(value - ground, 0.0f);
 }
 
-/* Light of the cells behind the i-th of the ring, of patch and ground, times their weights: cells of plain colour know best. */
+/* Light of the cells behind the i-th of the ring, of patch and ground, times their weights: cells of plain colour know
+ * best. */
 static void look_behind(const author_grid *g, uint32_t channel, const fit *f, size_t i, float *const sums[SUMS]) {
     for (size_t depth = INSET; depth < INSET + DEPTHS; depth++) {
         size_t cell = inner_cell(g, ring_cell(g, i), depth);
@@ -342,8 +345,8 @@ static author_result solve_rest(author_run *run, const author_grid *g, const fit
     return result == AUTHOR_OK ? author_harmonic(run, rest->planes, g->channels, g->width, g->height) : result;
 }
 
-/* Share of a cell whose light clipping changes: of what the patch's camera cut off when light is missing, else of what is so light that the
- * ground's camera may have cut it off. */
+/* Share of a cell whose light clipping changes: of what the patch's camera cut off when light is missing, else of what
+ * is so light that the ground's camera may have cut it off. */
 static float lost_share(const author_grid *g, uint32_t c, size_t cell, float value, float missing) {
     return !g->bounded ? 0.0f : missing > 0.0f ? g->clipped[c][cell] : adjust_clipping(value);
 }

@@ -79,7 +79,8 @@ typedef struct filling {
     uint8_t *from_here; /* cells that have their ground */
 } filling;
 
-/* One row of texels into the sums, each texel shared by the cells that it touches: colours, how far they are clipped, weight. */
+/* One row of texels into the sums, each texel shared by the cells that it touches: colours, how far they are clipped,
+ * weight. */
 static void add_row(const filling *f, const float *row, float part, float *sums) {
     uint32_t texels = f->patch->width, channels = f->patch->channels, colours = f->grid->channels;
     uint32_t cells = f->grid->width, stride = 2 * colours + 1;

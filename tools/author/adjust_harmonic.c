@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The Laplace equation on a rectangle with given border, by multigrid (Brandt 1977): red-black relaxation, bilinear interpolation and its
- * transpose, starting from the solution on the next coarser grid. A coarser grid has every second line and the last one,
- * so that any size will do; its cells are then of unequal width, and the five-point star is weighted by their widths.
+ * The Laplace equation on a rectangle with given border, by multigrid (Brandt 1977): red-black relaxation, bilinear
+ * interpolation and its transpose, starting from the solution on the next coarser grid. A coarser grid has every second
+ * line and the last one, so that any size will do; its cells are then of unequal width, and the five-point star is
+ * weighted by their widths.
  *
  * Each plane is one thread's work from beginning to end: the result does not depend on the number of threads.
  */
@@ -159,8 +160,8 @@ static int make_pyramid(pyramid *p, float *plane, uint32_t width, uint32_t heigh
 
 /* ---- relaxation -------------------------------------------------------------------------------------------- */
 
-/* What the star of row y leaves over, star u - f, into g->line. Differences of neighbours are exact where u is smooth, so that rounding
- * does not add up over the plane. */
+/* What the star of row y leaves over, star u - f, into g->line. Differences of neighbours are exact where u is smooth,
+ * so that rounding does not add up over the plane. */
 static void find_rest(const grid *g, uint32_t y) {
     uint32_t w = g->x.size;
     const float *row = g->u + (size_t)y * w, *up = row - w, *down = row + w;
@@ -177,7 +178,8 @@ static void find_rest(const grid *g, uint32_t y) {
         line[x] -= f[x];
 }
 
-/* Every second texel of each row, as on a chessboard; the others are computed too and not taken, which keeps the loop straight. */
+/* Every second texel of each row, as on a chessboard; the others are computed too and not taken, which keeps the loop
+ * straight. */
 static void relax(grid *g, uint32_t colour) {
     uint32_t w = g->x.size;
     const float *before = g->x.before, *after = g->x.after;
@@ -256,7 +258,8 @@ static float interpolate(grid *fine, const grid *coarse, float keep) {
     return most;
 }
 
-/* One V cycle: what is left, f - star u, is the right side of the coarser grid's correction. Returns the largest correction. */
+/* One V cycle: what is left, f - star u, is the right side of the coarser grid's correction. Returns the largest
+ * correction. */
 static float cycle(pyramid *p, int level) {
     grid *g = &p->grids[level];
     if (level + 1 == p->count) {

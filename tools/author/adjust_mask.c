@@ -2,10 +2,10 @@
 /*
  * The gradient density mask (Eisemann and Magnor, equations 2 and 3).
  *
- * The cost of a path is the sum of |I_x| + |I_y| over its texels: central differences and steps to the four neighbours, since
- * with other choices paths slip through thin edges. It is counted in whole numbers, so there is one answer whatever the order in which
- * texels are improved, until none can be: tiles that fit a cache, and only those into which a neighbour spreads. What
- * costs as much as opaque is not told apart any more, so nothing deeper is looked at.
+ * The cost of a path is the sum of |I_x| + |I_y| over its texels: central differences and steps to the four neighbours,
+ * since with other choices paths slip through thin edges. It is counted in whole numbers, so there is one answer
+ * whatever the order in which texels are improved, until none can be: tiles that fit a cache, and only those into which
+ * a neighbour spreads. What costs as much as opaque is not told apart any more, so nothing deeper is looked at.
  */
 #include "author_adjust.h"
 

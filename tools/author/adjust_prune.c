@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Detail that lies so deep beneath opaque patches that no level of detail shows it is replaced by what the picture looks like from further
- * away. Why the depth is what it is: docs/design.md.
+ * Detail that lies so deep beneath opaque patches that no level of detail shows it is replaced by what the picture
+ * looks like from further away. Why the depth is what it is: docs/design.md.
  */
 #include "adjust.h"
 
@@ -85,8 +85,8 @@ static void open_hole(const cover *c, double px, double py) {
         c->steps[(size_t)y * c->width + (size_t)x] = 0;
 }
 
-/* Texels of the picture beneath texels of the patch that are not opaque: every one of the patch's is looked at, because it is finer and
- * may have small holes. The corners of a texel as well as its centre, for patches that are coarser. */
+/* Texels of the picture beneath texels of the patch that are not opaque: every one of the patch's is looked at, because
+ * it is finer and may have small holes. The corners of a texel as well as its centre, for patches that are coarser. */
 static void open_holes(const cover *c) {
     uint32_t w = c->coverage->width, h = c->coverage->height;
     for (uint32_t y = 0; y < h; y++)

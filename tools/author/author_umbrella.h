@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Umbrella textures (Wang, Shi, Chen, Popescu, Computer Graphics Forum 2013; spec/umbrella.md): outlines of elements out of their
- * pictures, colour variants out of pictures of similar elements, arrangements of many copies, the exact lists of the cells, and the
- * coarser levels, whose colours are fitted to what the finest one shows.
+ * Umbrella textures (Wang, Shi, Chen, Popescu, Computer Graphics Forum 2013; spec/umbrella.md): outlines of elements
+ * out of their pictures, colour variants out of pictures of similar elements, arrangements of many copies, the exact
+ * lists of the cells, and the coarser levels, whose colours are fitted to what the finest one shows.
  *
- * What ends in a file comes out of integers and of + - * / and square roots of doubles alone, so that it is the same on every machine.
+ * What ends in a file comes out of integers and of + - * / and square roots of doubles alone, so that it is the same on
+ * every machine.
  */
 #ifndef ZTEX_AUTHOR_UMBRELLA_H
 #define ZTEX_AUTHOR_UMBRELLA_H
@@ -31,30 +32,33 @@ typedef struct author_outline {
 
 void author_outline_release(author_outline *outline);
 
-/* The outline of the largest region of a one-channel picture where the value is at least threshold, in texels, (0, 0) being the outer
- * corner of the first one; along the picture's edge it runs there. To a part of a texel. Errors: AUTHOR_BAD_INPUT when there is no such region. */
+/* The outline of the largest region of a one-channel picture where the value is at least threshold, in texels, (0, 0)
+ * being the outer corner of the first one; along the picture's edge it runs there. To a part of a texel. Errors:
+ * AUTHOR_BAD_INPUT when there is no such region. */
 author_result author_umbrella_trace(author_run *run, const author_picture *coverage, double threshold,
                                     author_outline *out);
 
-/* Coverage by colour: 0 where the picture is like key (linear light), 1 where it differs by tolerance and more (of sRGB-coded values,
- * the channel that differs most), for pictures of 3 channels and more. key NULL: the median of the picture's border. */
+/* Coverage by colour: 0 where the picture is like key (linear light), 1 where it differs by tolerance and more (of
+ * sRGB-coded values, the channel that differs most), for pictures of 3 channels and more. key NULL: the median of the
+ * picture's border. */
 author_result author_umbrella_key(author_run *run, const author_picture *picture, const float *key, double tolerance,
                                   author_picture *coverage);
 
-/* At most `most` vertices (3 at least), none of the area being lost: reflex vertices are dropped, and sides between two others are
- * replaced by the point where their neighbours meet, those first that add the least area. Errors: AUTHOR_BAD_INPUT when it gets stuck. */
+/* At most `most` vertices (3 at least), none of the area being lost: reflex vertices are dropped, and sides between two
+ * others are replaced by the point where their neighbours meet, those first that add the least area. Errors:
+ * AUTHOR_BAD_INPUT when it gets stuck. */
 author_result author_umbrella_simplify(author_run *run, author_outline *outline, size_t most);
 
 double author_outline_area(const author_outline *outline); /* positive for clockwise ones */
 author_xy author_outline_centroid(const author_outline *outline);
-/* The point from which every side is seen, and which is farthest from the lines of all sides: returns that distance, or -1 when there is
- * none. scale: the length that counts as 1, such as the diameter. */
+/* The point from which every side is seen, and which is farthest from the lines of all sides: returns that distance, or
+ * -1 when there is none. scale: the length that counts as 1, such as the diameter. */
 double author_outline_kernel(const author_outline *outline, author_xy *centre);
-/* The first vertex i for which centre, vertex i, vertex i + 1 have no positive area; count when there is none and the outline goes around
- * once. */
+/* The first vertex i for which centre, vertex i, vertex i + 1 have no positive area; count when there is none and the
+ * outline goes around once. */
 size_t author_outline_bad_vertex(const author_outline *outline, author_xy centre);
-/* The smallest star-shaped polygon about the centre that has all of the outline in it (but for a hair). Errors: AUTHOR_BAD_INPUT if the centre is
- * too far outside for one. */
+/* The smallest star-shaped polygon about the centre that has all of the outline in it (but for a hair). Errors:
+ * AUTHOR_BAD_INPUT if the centre is too far outside for one. */
 author_result author_outline_repair(author_run *run, author_outline *outline, author_xy centre);
 
 /* ---- bases ------------------------------------------------------------------------------------------------ */
@@ -106,8 +110,8 @@ typedef struct author_base {
     float mean[3];                /* colour where it is opaque, linear light */
 } author_base;
 
-/* Outline, centre, cut-out, morph and variants, in the file's integers, by which the star shape is checked again (rules 8307 and 8308).
- * Errors: AUTHOR_BAD_INPUT, naming the first bad vertex; AUTHOR_NO_MEMORY. */
+/* Outline, centre, cut-out, morph and variants, in the file's integers, by which the star shape is checked again (rules
+ * 8307 and 8308). Errors: AUTHOR_BAD_INPUT, naming the first bad vertex; AUTHOR_NO_MEMORY. */
 author_result author_umbrella_base(author_run *run, const author_base_input *input, author_base *out);
 void author_base_release(author_base *base);
 
@@ -171,7 +175,8 @@ typedef struct author_arrangement {
     uint64_t seed;
 } author_arrangement;
 
-/* All arrays of an umbrella texture; info points to them. Sources of bases and of the background are the caller's to set, and so is background itself. */
+/* All arrays of an umbrella texture; info points to them. Sources of bases and of the background are the caller's to
+ * set, and so is background itself. */
 typedef struct author_umbrellas {
     zt_umbrella_info info;
     zt_umbrella_level *levels;
@@ -215,9 +220,10 @@ typedef struct author_phase_errors {
     author_error pixels, between, alpha;
 } author_phase_errors;
 
-/* What pixels show at several phases: out has width x 2 height texels, 2 x 4 for each pixel. Texel (x, y) is the mean of the picture over the pixel around the
- * point (x / width, y / height) of the unit square, in the lower half ((x + 1/2) / width, (y + 1/2) / height) with y from there; so the middles of pixels are the
- * texels of the upper half that are odd in x and y. */
+/* What pixels show at several phases: out has width x 2 height texels, 2 x 4 for each pixel. Texel (x, y) is the mean
+ * of the picture over the pixel around the point (x / width, y / height) of the unit square, in the lower half ((x +
+ * 1/2) / width, (y + 1/2) / height) with y from there; so the middles of pixels are the texels of the upper half that
+ * are odd in x and y. */
 author_result author_umbrella_phases(author_run *run, const author_picture *picture, uint32_t width, uint32_t height,
                                      const int repeat[2], author_picture *out);
 void author_umbrella_compare(const author_picture *shown, const author_picture *wanted, author_phase_errors *errors);
@@ -229,7 +235,8 @@ void author_umbrella_figures(const author_phase_errors *errors, const author_pha
 
 typedef struct author_levels {
     int repeat_x, repeat_y;
-    /* Premultiplied linear light, 4 channels: what level 0 shows, averaged over 32 x 32 pixels for each cell of level 1 (without it over any). */
+    /* Premultiplied linear light, 4 channels: what level 0 shows, averaged over 32 x 32 pixels for each cell of level 1
+     * (without it over any). */
     const author_picture *truth;
     /* What the background shows at the phases, 16 x (2 x 16) for each cell; of levels 1 to level_count - 1. */
     const author_picture *background;

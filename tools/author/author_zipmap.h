@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Registration: a heap of photographs of one thing, in no order, becomes trees of zooms (paper, section 4). Each picture gets the
- * picture that it is a zoom into, and the matrix P of `spec/zipmap.md` that places it there.
+ * Registration: a heap of photographs of one thing, in no order, becomes trees of zooms (paper, section 4). Each
+ * picture gets the picture that it is a zoom into, and the matrix P of `spec/zipmap.md` that places it there.
  *
  *     author_registration found;
  *     if (author_register(&run, vision, &photos, NULL, &found) != AUTHOR_OK)
@@ -33,10 +33,11 @@ typedef struct author_photo {
     uint32_t width, height; /* of the whole picture, in pixels: figures in "pixels" are of these */
 } author_photo;
 
-/* The pictures, and how to get their texels. load is called from the threads of the work, for different pictures at once, once for each
- * picture, and gives all of the picture in linear light with 1, 3 or more channels (grey, or red, green and blue first),
- * reduced by area averages to about max_texels or fewer when it has more. (A picture of another size serves as well: coordinates
- * go by the edges of the picture.) The library releases it. error: AUTHOR_ERROR bytes for a result other than AUTHOR_OK. */
+/* The pictures, and how to get their texels. load is called from the threads of the work, for different pictures at
+ * once, once for each picture, and gives all of the picture in linear light with 1, 3 or more channels (grey, or red,
+ * green and blue first), reduced by area averages to about max_texels or fewer when it has more. (A picture of another
+ * size serves as well: coordinates go by the edges of the picture.) The library releases it. error: AUTHOR_ERROR bytes
+ * for a result other than AUTHOR_OK. */
 typedef struct author_photos {
     const author_photo *photos;
     size_t count;
@@ -50,10 +51,11 @@ typedef struct author_register_options {
     double min_correlation; /* of a picture low-passed to its parent's resolution with the parent; default 0.9 */
     double min_contained;   /* share of a picture's area that its parent must contain; default 0.6 */
     double min_ratio;       /* how much finer a child is at least; default 1.1 */
-    /* Bytes for all pictures together, and as many again for their features: detail and weak features are dropped to fit. Default 1 GiB. */
+    /* Bytes for all pictures together, and as many again for their features: detail and weak features are dropped to
+     * fit. Default 1 GiB. */
     uint64_t memory;
-    /* Pictures that each one is compared with: those that look most alike at a quick look. Default: all, and AUTHOR_CANDIDATES of more
-     * than AUTHOR_FEW_PHOTOS pictures. */
+    /* Pictures that each one is compared with: those that look most alike at a quick look. Default: all, and
+     * AUTHOR_CANDIDATES of more than AUTHOR_FEW_PHOTOS pictures. */
     uint32_t candidates;
 } author_register_options;
 
@@ -75,13 +77,13 @@ const char *author_reason_name(author_reason reason); /* "too few matches" ...; 
 
 typedef struct author_placing {
     author_state state;
-    author_reason reason; /* of AUTHOR_UNPLACED */
-    char text
-        [AUTHOR_REASON_TEXT]; /* one line for people: why, with the figures and the nearest picture's name; else "" */
-    uint32_t parent;          /* index of a picture; AUTHOR_NONE for roots and the unplaced */
-    uint32_t group;           /* index of a root in `roots`; AUTHOR_NONE for the unplaced */
-    /* By rows, homogeneous: P of the zipmap, the parent's coordinates in [0, 1] x [0, 1] to this picture's own. Scaled so that w is 1
-     * at this picture's centre. Identity for roots and the unplaced. */
+    author_reason reason;          /* of AUTHOR_UNPLACED */
+    char text[AUTHOR_REASON_TEXT]; /* one line for people: why, with the figures and the nearest picture's name; else
+                                    * "" */
+    uint32_t parent;               /* index of a picture; AUTHOR_NONE for roots and the unplaced */
+    uint32_t group;                /* index of a root in `roots`; AUTHOR_NONE for the unplaced */
+    /* By rows, homogeneous: P of the zipmap, the parent's coordinates in [0, 1] x [0, 1] to this picture's own. Scaled
+     * so that w is 1 at this picture's centre. Identity for roots and the unplaced. */
     double matrix[9];
     double root_matrix[9]; /* the same from the coordinates of the group's root: M of the zipmap */
     double ratio;     /* this picture's pixels along a length over the parent's, at this picture's centre; root: 1 */
@@ -117,7 +119,8 @@ typedef struct author_registration {
 } author_registration;
 
 /* Finds who is a zoom into whom, and where. A picture alone makes a group only when it is the only one. Errors:
- * AUTHOR_BAD_INPUT (no pictures, more than 4096, a picture that does not load), AUTHOR_NO_MEMORY, AUTHOR_CANCELLED, AUTHOR_INTERNAL. */
+ * AUTHOR_BAD_INPUT (no pictures, more than 4096, a picture that does not load), AUTHOR_NO_MEMORY, AUTHOR_CANCELLED,
+ * AUTHOR_INTERNAL. */
 author_result author_register(author_run *run, const author_vision *vision, const author_photos *photos,
                               const author_register_options *options, author_registration *out);
 void author_registration_release(author_registration *registration);

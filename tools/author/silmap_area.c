@@ -2,14 +2,15 @@
 /*
  * The exact area of what a cell shows wrongly.
  *
- * Let e_k(x, y) be how wrong it is to show corner k's region at a place, and E_k its integral over y from the top of the cell. By Green's
- * theorem the integral of e_k over the polygon of quadrant k is that of E_k dx around it. Each arm borders on two quadrants, so what a cell
- * costs is a sum over its arms of integrals of E_k - E_m along them, plus what the cell would cost if all of it showed the
- * region of corner 11. A line is the arm of one cell and the opposite arm of the next; it counts only where the regions on its two sides
- * differ. So the cost of the whole silmap is a sum over lines, each of which depends on two points and nothing else.
+ * Let e_k(x, y) be how wrong it is to show corner k's region at a place, and E_k its integral over y from the top of
+ * the cell. By Green's theorem the integral of e_k over the polygon of quadrant k is that of E_k dx around it. Each arm
+ * borders on two quadrants, so what a cell costs is a sum over its arms of integrals of E_k - E_m along them, plus what
+ * the cell would cost if all of it showed the region of corner 11. A line is the arm of one cell and the opposite arm
+ * of the next; it counts only where the regions on its two sides differ. So the cost of the whole silmap is a sum over
+ * lines, each of which depends on two points and nothing else.
  *
- * Squares are of one region each: within a column of them E is linear in y between the borders of squares, and its integral
- * along a segment is found without error from E and from the integral G of E over y.
+ * Squares are of one region each: within a column of them E is linear in y between the borders of squares, and its
+ * integral along a segment is found without error from E and from the integral G of E over y.
  */
 #include "silmap_fit.h"
 

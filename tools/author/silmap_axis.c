@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the edges along an axis lie best. Points stand on (k + 1/2) / 8 of a cell. A slanted edge passes near enough points to be held well
- * wherever it is, but one along an axis that lies between two lines of points is off by up to a 16th of a cell for all of its
- * length. So the edges along the axes are gathered from the picture, by where they are, and each side of the drawing goes out
- * by as much as puts most of their length on lines of points.
+ * Where the edges along an axis lie best. Points stand on (k + 1/2) / 8 of a cell. A slanted edge passes near enough
+ * points to be held well wherever it is, but one along an axis that lies between two lines of points is off by up to a
+ * 16th of a cell for all of its length. So the edges along the axes are gathered from the picture, by where they are,
+ * and each side of the drawing goes out by as much as puts most of their length on lines of points.
  */
 #include "silmap_fit.h"
 
@@ -51,7 +51,8 @@ static int is_same(const axis_job *job, size_t index, const float *coded) {
     return 1;
 }
 
-/* Whether texel number `along` of a line is a step from one flat colour to another. *share is how much of it has the colour before. */
+/* Whether texel number `along` of a line is a step from one flat colour to another. *share is how much of it has the
+ * colour before. */
 static int is_step(const axis_job *job, size_t index, size_t step, size_t along, size_t n, double *share,
                    float *contrast) {
     uint32_t channels = job->picture->channels;

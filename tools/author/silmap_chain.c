@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * All points of a chain at once. Where a border between two regions passes, each cell has two lines that count, so cells form chains; what a
- * chain costs is a sum over its lines of functions of two neighbouring points, and dynamic programming finds the best points of
- * all its cells together, out of the better ones of each. One point at a time cannot: a line that should move as a whole needs both its ends.
+ * All points of a chain at once. Where a border between two regions passes, each cell has two lines that count, so
+ * cells form chains; what a chain costs is a sum over its lines of functions of two neighbouring points, and dynamic
+ * programming finds the best points of all its cells together, out of the better ones of each. One point at a time
+ * cannot: a line that should move as a whole needs both its ends.
  */
 #include "silmap_fit.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The samples. First the mean of what is in a sample's own deformed cell. Then least squares: what a silmap shows is linear in its
- * samples, but for the curve of displayed colours, along whose slope each round goes (Gauss and Newton). The normal equations are
- * kept cell by cell, 4 x 4 for each channel, and solved by Gauss-Seidel in four colours of samples, each clamped to the range of the picture.
+ * The samples. First the mean of what is in a sample's own deformed cell. Then least squares: what a silmap shows is
+ * linear in its samples, but for the curve of displayed colours, along whose slope each round goes (Gauss and Newton).
+ * The normal equations are kept cell by cell, 4 x 4 for each channel, and solved by Gauss-Seidel in four colours of
+ * samples, each clamped to the range of the picture.
  */
 #include "silmap_fit.h"
 
@@ -179,7 +180,8 @@ static void relax(const solve_job *job, size_t s, uint32_t ch, const sample_cell
         diagonal += (double)e[entry(k, k)];
         right += (double)e[10 + k];
         for (int m = 0; m < 4; m++) {
-            /* The sample is corner k: the cell's first corner is one to the west of it if k is at the right, and so on. */
+            /* The sample is corner k: the cell's first corner is one to the west of it if k is at the right, and so
+             * on. */
             int place = (1 - (k >> 1) + (m >> 1)) * 3 + 1 - (k & 1) + (m & 1);
             size_t other = around->samples[place] * channels + ch;
             right -= (double)e[entry(k, m)] * ((double)model->samples[other] - (double)job->start[other]);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The picture of a flat drawing, each texel the mean over its box. A row is cut into bands at the points of all lines, if these are not too many; a band in
- * which no line ends and no two lines cross is made of trapezoids, and what changes at a line changes the texels to the right of
- * it by the area that they have there: exactly. Other bands are halved some times.
+ * The picture of a flat drawing, each texel the mean over its box. A row is cut into bands at the points of all lines,
+ * if these are not too many; a band in which no line ends and no two lines cross is made of trapezoids, and what
+ * changes at a line changes the texels to the right of it by the area that they have there: exactly. Other bands are
+ * halved some times.
  */
 #include "silmap_fill.h"
 
@@ -28,7 +29,8 @@ typedef struct draw_row {
     double scale_x, scale_y; /* texels */
 } draw_row;
 
-/* The integral over a band of the width between a line and `to`, the line being to the left; it goes from low to high. */
+/* The integral over a band of the width between a line and `to`, the line being to the left; it goes from low to
+ * high. */
 static double area_before(double low, double high, double to) {
     if (to <= low)
         return 0;
@@ -112,7 +114,8 @@ static int compare_places(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Where the row is cut: its ends and those of lines in it. What ends at corners is taller than the pieces of a curve. */
+/* Where the row is cut: its ends and those of lines in it. What ends at corners is taller than the pieces of a
+ * curve. */
 static size_t find_cuts(const silmap_truth *truth, double top, double bottom, double cuts[MOST_CUTS + 2]) {
     double one[MOST_CUTS], height[MOST_CUTS] = {0};
     size_t found = 0, count = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Edges for silmaps of photographs: maxima of the gradient along its direction, with hysteresis; those that hang together are a chain, and
- * chains shorter than two cells are dropped. Coded values, because a step that is seen is one of these. A chain cuts the sides
- * that it crosses. It may well propose too much: the fit takes away what does not pay.
+ * Edges for silmaps of photographs: maxima of the gradient along its direction, with hysteresis; those that hang
+ * together are a chain, and chains shorter than two cells are dropped. Coded values, because a step that is seen is one
+ * of these. A chain cuts the sides that it crosses. It may well propose too much: the fit takes away what does not pay.
  */
 #include "silmap_fit.h"
 

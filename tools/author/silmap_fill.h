@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Flat drawings: which colour is at a place, out of shapes that are painted one over the other. The lines of all shapes are the edges of a
- * silmap_truth; the mark of each is twice the number of its shape, plus one where the line goes down. A scan line that crosses them
- * knows at each place which shapes it is inside of.
+ * Flat drawings: which colour is at a place, out of shapes that are painted one over the other. The lines of all shapes
+ * are the edges of a silmap_truth; the mark of each is twice the number of its shape, plus one where the line goes
+ * down. A scan line that crosses them knows at each place which shapes it is inside of.
  */
 #ifndef ZTEX_SILMAP_FILL_H
 #define ZTEX_SILMAP_FILL_H
@@ -71,7 +71,8 @@ size_t silmap_fills_runs(silmap_sweep *sweep, double y, double x0, double dx, si
 /* As pictures have it: straight, in linear light. */
 void silmap_fills_texel(const struct silmap_fills *fills, const float value[SILMAP_CHANNELS], float *texel);
 
-/* silmap_truth.c: sorts truth->edges into bands of y, as many as the picture has rows, or fewer where many edges are long. */
+/* silmap_truth.c: sorts truth->edges into bands of y, as many as the picture has rows, or fewer where many edges are
+ * long. */
 author_result silmap_edges_sort(author_run *run, silmap_truth *truth);
 /* The band of a place. */
 uint32_t silmap_edges_band(const silmap_truth *truth, double y);

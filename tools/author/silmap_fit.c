@@ -20,7 +20,8 @@
 
 static const silmap_pattern judge_pattern = {5, 1};
 
-/* One number for all loops. How many there are depends on the picture, so each has a share of what is left of its phase: never back, never beyond. */
+/* One number for all loops. How many there are depends on the picture, so each has a share of what is left of its
+ * phase: never back, never beyond. */
 typedef struct fit_progress {
     const author_run *outer;
     const char *stage;
@@ -352,7 +353,8 @@ static author_result try_grid(fit_job *job, uint32_t longer, author_silmap_resul
     return result;
 }
 
-/* Doubles the grid until a hasty fit is good enough, then halves the interval. *found is the smallest that was, or the largest allowed. */
+/* Doubles the grid until a hasty fit is good enough, then halves the interval. *found is the smallest that was, or the
+ * largest allowed. */
 static author_result search_hastily(fit_job *job, uint32_t most, uint32_t *found) {
     uint32_t low = 0, high = FIRST_CELLS < most ? FIRST_CELLS : most;
     author_result result = AUTHOR_OK;

@@ -3,7 +3,7 @@
  * The parts of the silmap fit (author_silmap.h), in the order in which they work:
  *
  *   silmap_grid    cells, samples, sides and who is next to whom
- *   silmap_truth   which region is at a place of the original: given labels, paths, shapes, or flat art found in the picture
+ *   silmap_truth   which region is at a place of the original: given labels, paths, shapes, or flat art that is found
  *   silmap_fill    flat drawings: which colour is at a place
  *   silmap_draw    their picture
  *   silmap_block   what the original has in one cell
@@ -28,7 +28,7 @@
 #define SILMAP_POSITIONS 64 /* of a point in its cell */
 #define SILMAP_CURVE 4096
 
-/* ---- silmap_grid.c ---------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_grid.c ----------------------------------------------------------------------------------------------- */
 
 typedef struct silmap_grid {
     uint32_t w, h;   /* cells */
@@ -54,7 +54,8 @@ unsigned silmap_cuts(const silmap_grid *grid, size_t c);
 void silmap_set_cut(silmap_grid *grid, size_t c, int arm, int cut);
 /* Cells that are not cut become ZT_SILMAP_DEFAULT; returns how many are cut. */
 size_t silmap_normalise(silmap_grid *grid);
-/* The point in place of a missing neighbour's: the cell's own, mirrored in its north or south side (vertical) or its east or west one. */
+/* The point in place of a missing neighbour's: the cell's own, mirrored in its north or south side (vertical) or its
+ * east or west one. */
 static inline unsigned silmap_mirrored(unsigned point, int vertical) {
     return point ^ (vertical ? ZT_SILMAP_Y : ZT_SILMAP_X);
 }
@@ -62,22 +63,23 @@ static inline double silmap_coordinate(unsigned position) {
     return (position + 0.5) / 8;
 }
 
-/* Work on places that lie next to each other must not go on at the same time. silmap_class numbers the coordinate i of n so that
- * equal numbers are at least `apart` from each other, also around the end; below silmap_classes. */
+/* Work on places that lie next to each other must not go on at the same time. silmap_class numbers the coordinate i of
+ * n so that equal numbers are at least `apart` from each other, also around the end; below silmap_classes. */
 uint32_t silmap_class(uint32_t i, uint32_t n, uint32_t apart);
 #define SILMAP_CLASSES(apart) (2 * (apart)-1)
 
-/* Those of the count given indices into a grid of width x height whose class is number `class` of SILMAP_CLASSES(apart)^2. Returns how many. */
+/* Those of the count given indices into a grid of width x height whose class is number `class` of
+ * SILMAP_CLASSES(apart)^2. Returns how many. */
 size_t silmap_select(const size_t *from, size_t count, uint32_t width, uint32_t height, uint32_t apart, uint32_t class,
                      size_t *to);
 
-/* Like author_for, over a list of indices (NULL: 0 to count - 1). For loops that are many and short: threads meet once. Visits may fail for want
- * of memory alone. */
+/* Like author_for, over a list of indices (NULL: 0 to count - 1). For loops that are many and short: threads meet once.
+ * Visits may fail for want of memory alone. */
 typedef author_result (*silmap_visit)(void *context, size_t index, unsigned worker);
 author_result silmap_each(author_run *run, const char *stage, const size_t *list, size_t count, silmap_visit visit,
                           void *context);
 
-/* ---- silmap_truth.c --------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_truth.c ---------------------------------------------------------------------------------------------- */
 
 typedef struct silmap_region {
     float colour[SILMAP_CHANNELS]; /* mean, premultiplied linear */
@@ -157,12 +159,12 @@ int silmap_truth_plain(const silmap_truth *truth, double x0, double y0, double x
 
 #define SILMAP_MIXED UINT32_C(0x80000000) /* in labels: the texel is not inside of its region altogether */
 
-/* silmap_flat.c: regions of one colour or of slow gradients, bordered by texels that mix them. Sets truth->labels, regions and resolve; *found
- * 0 if the picture is no such drawing. */
+/* silmap_flat.c: regions of one colour or of slow gradients, bordered by texels that mix them. Sets truth->labels,
+ * regions and resolve; *found 0 if the picture is no such drawing. */
 author_result silmap_flat_find(author_run *run, silmap_truth *truth, int *found);
 uint32_t silmap_flat_at(const silmap_truth *truth, double x, double y);
 
-/* ---- silmap_block.c, silmap_area.c ------------------------------------------------------------------------------------------ */
+/* ---- silmap_block.c, silmap_area.c ------------------------------------------------------------------------------- */
 
 #define SILMAP_LOCAL 16 /* regions of a cell that are told apart */
 
@@ -179,9 +181,9 @@ typedef struct silmap_block {
 } silmap_block;
 
 size_t silmap_table_size(uint32_t edge); /* doubles */
-/* A table of a function E in a cell of edge x edge squares: for each column the pairs (E, G) at the edge + 1 borders of squares, then the sums of E
- * at the bottom over the columns. E is the integral from the top of the values that the places have, G that of E. places are
- * edge * finer in a column, column after column, and index values. In squares. */
+/* A table of a function E in a cell of edge x edge squares: for each column the pairs (E, G) at the edge + 1 borders of
+ * squares, then the sums of E at the bottom over the columns. E is the integral from the top of the values that the
+ * places have, G that of E. places are edge * finer in a column, column after column, and index values. In squares. */
 void silmap_table_fill(const uint8_t *places, uint32_t edge, uint32_t finer, const double *values, double *table);
 /* NULL: no memory. */
 silmap_block *silmap_block_create(const uint32_t *regions, uint32_t count, const uint8_t *places, uint32_t edge,
@@ -200,7 +202,8 @@ typedef struct silmap_labels {
     size_t active_count;
 } silmap_labels;
 
-/* The half of a line that lies in one cell: how much worse it is there to show the region on one of its sides than that on the other. */
+/* The half of a line that lies in one cell: how much worse it is there to show the region on one of its sides than that
+ * on the other. */
 typedef struct silmap_half {
     int used;
     double level, rise;  /* level + rise times the share of the second region */
@@ -215,7 +218,8 @@ typedef struct silmap_line {
 } silmap_line;
 
 double silmap_weight(const silmap_labels *labels, uint32_t shown, uint32_t wanted);
-/* The line between cell c and the one at its east (vertical 0) or south (1). memory: 2 tables. first or second may be SIZE_MAX. */
+/* The line between cell c and the one at its east (vertical 0) or south (1). memory: 2 tables. first or second may be
+ * SIZE_MAX. */
 void silmap_line_set(const silmap_labels *labels, size_t first, size_t second, int vertical, double *memory,
                      silmap_line *out);
 /* What it adds to the area for these two positions, 0 to 63. In cells. */
@@ -223,7 +227,7 @@ double silmap_line_cost(const silmap_line *line, uint32_t edge, unsigned first, 
 /* What a cell costs if all of it shows the region of its corner 11; the lines' costs are relative to that. */
 double silmap_base_cost(const silmap_labels *labels, size_t c);
 
-/* ---- silmap_points.c -------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_points.c --------------------------------------------------------------------------------------------- */
 
 /* place: where the original's unit square lies in that of the texture. hasty: not as finely as could be. */
 author_result silmap_labels_create(author_run *run, const silmap_truth *truth, const author_silmap_place *place,
@@ -231,20 +235,21 @@ author_result silmap_labels_create(author_run *run, const silmap_truth *truth, c
 void silmap_labels_release(silmap_labels *labels);
 /* Points and sample labels; then the cuts. hasty: one round of them. */
 author_result silmap_points_fit(author_run *run, silmap_labels *labels, int hasty);
-/* silmap_chain.c: all points of a chain of cells at once; only of chains in which something has moved: moved of a cell is at least since. */
+/* silmap_chain.c: all points of a chain of cells at once; only of chains in which something has moved: moved of a cell
+ * is at least since. */
 author_result silmap_chains_fit(author_run *run, silmap_labels *labels, const uint32_t *moved, uint32_t since);
-/* Share of the area that shows another region, at places that the fit has not seen; weighted: times how far their colours are apart. And the
- * defects of the cells, unless NULL. */
+/* Share of the area that shows another region, at places that the fit has not seen; weighted: times how far their
+ * colours are apart. And the defects of the cells, unless NULL. */
 author_result silmap_labels_judge(author_run *run, const silmap_labels *labels, zt_silmap_filter filter, int weighted,
                                   double *disagreement, uint8_t *defects);
 
-/* ---- silmap_edges.c --------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_edges.c ---------------------------------------------------------------------------------------------- */
 
 /* Sets cuts and points from edges in the picture (unless paths_only) and from paths. */
 author_result silmap_edges_find(author_run *run, const author_silmap_input *input, const author_silmap_options *options,
                                 const silmap_curve *curve, silmap_grid *grid);
 
-/* ---- silmap_model.c --------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_model.c ---------------------------------------------------------------------------------------------- */
 
 typedef struct silmap_model {
     const author_picture *picture;
@@ -253,7 +258,8 @@ typedef struct silmap_model {
     zt_silmap_filter filter;
     float *samples;                                    /* premultiplied linear, channels of the picture */
     float low[SILMAP_CHANNELS], high[SILMAP_CHANNELS]; /* the picture's range, which samples keep to */
-    /* What the silmap is compared with: the picture as displayed, averaged down while a cell has more than some texels; NULL: the picture itself */
+    /* What the silmap is compared with: the picture as displayed, averaged down while a cell has more than some texels;
+     * NULL: the picture itself */
     const float *target;
     uint32_t width, height; /* of the target, or of the picture */
 } silmap_model;
@@ -317,22 +323,23 @@ static inline double silmap_squared(float shown, int parts, float wanted) {
 }
 double silmap_cell_error(const silmap_view *view, silmap_pattern pattern);
 
-/* ---- silmap_polish.c -------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_polish.c --------------------------------------------------------------------------------------------- */
 
 /* Moves points of cut cells where that lowers the error of the picture. */
 author_result silmap_points_polish(author_run *run, const silmap_model *model, silmap_grid *grid, int sweeps);
 
-/* ---- silmap_colour.c -------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_colour.c --------------------------------------------------------------------------------------------- */
 
 /* Means over the deformed cells; labels may be NULL. */
 author_result silmap_colour_means(author_run *run, const silmap_model *model, const silmap_labels *labels);
-/* Least squares under the filter; fixed (one for each sample) may be NULL. errors: of each cell, before and after. Kept only if it lowers them. */
+/* Least squares under the filter; fixed (one for each sample) may be NULL. errors: of each cell, before and after. Kept
+ * only if it lowers them. */
 author_result silmap_colour_solve(author_run *run, silmap_model *model, const uint8_t *fixed, int rounds,
                                   double *errors);
 /* Mixtures of flat regions in few levels, for they cost more bytes than they are worth: samples that are not fixed. */
 void silmap_colour_round(const silmap_model *model, const silmap_labels *labels, const uint8_t *fixed);
 
-/* ---- silmap_axis.c ---------------------------------------------------------------------------------------------------------- */
+/* ---- silmap_axis.c ----------------------------------------------------------------------------------------------- */
 
 #define SILMAP_REACH 0.5 /* cells that a side of a drawing may go out for hinting */
 #define SILMAP_SPOTS 6
@@ -342,7 +349,8 @@ typedef struct silmap_spot {
     double cost;   /* of the edges along the axis */
 } silmap_spot;
 
-/* Where edges along an axis (0: those whose x is one) lie well; *before: what they cost where they are. All of these are some way apart. */
+/* Where edges along an axis (0: those whose x is one) lie well; *before: what they cost where they are. All of these
+ * are some way apart. */
 author_result silmap_axis_spots(author_run *run, const author_picture *picture, const silmap_curve *curve,
                                 uint32_t cells, int axis, double *before, silmap_spot out[SILMAP_SPOTS]);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Regions of flat art. A texel is inside of a region if it is in a block of 2 x 2 texels of one colour; blocks that share texels are one
- * region. What is left are the mixtures along the borders that anti-aliasing makes. Since drawing programs mix coded values, it is coded
- * values whose interpolation crosses half way between two regions where the border was.
+ * Regions of flat art. A texel is inside of a region if it is in a block of 2 x 2 texels of one colour; blocks that
+ * share texels are one region. What is left are the mixtures along the borders that anti-aliasing makes. Since drawing
+ * programs mix coded values, it is coded values whose interpolation crosses half way between two regions where the
+ * border was.
  */
 #include "silmap_fit.h"
 
@@ -109,7 +110,8 @@ static uint32_t number_components(flat_job *job) {
     for (uint32_t i = 0; i < job->w * job->h; i++) {
         if (job->parent[i] == NONE)
             continue;
-        /* Roots are the lowest of their component, so theirs has been replaced already, by a number with the top bit. */
+        /* Roots are the lowest of their component, so theirs has been replaced already, by a number with the top
+         * bit. */
         uint32_t up = job->parent[i];
         if (up == i)
             job->parent[i] = SILMAP_MIXED | count++;
@@ -162,7 +164,8 @@ static int compare_keys(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Numbers the regions: components of one colour are one region wherever they are. Returns the share of the flat ones. */
+/* Numbers the regions: components of one colour are one region wherever they are. Returns the share of the flat
+ * ones. */
 static double name_regions(component *components, const component **sorted, uint32_t count, uint32_t channels,
                            uint32_t *regions) {
     double flat = 0, all = 0;

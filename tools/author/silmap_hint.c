@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where a drawing best lies in its texture. What its edges along the axes say (silmap_axis.c) is a start. Where the regions are known exactly, the points are
- * fitted at some such places, in haste, and around the best of them, and the area that is wrong decides: it knows of slanted
- * edges, of corners and of what is thin.
+ * Where a drawing best lies in its texture. What its edges along the axes say (silmap_axis.c) is a start. Where the
+ * regions are known exactly, the points are fitted at some such places, in haste, and around the best of them, and the
+ * area that is wrong decides: it knows of slanted edges, of corners and of what is thin.
  */
 #include "silmap_fit.h"
 

@@ -76,7 +76,8 @@ static void mark_edge(const silmap_labels *labels, const silmap_edge *edge, uint
     }
 }
 
-/* Edges along x are in no list: they cross the line down the middle of a cell. The region of cells that nothing crosses is that of this line. */
+/* Edges along x are in no list: they cross the line down the middle of a cell. The region of cells that nothing crosses
+ * is that of this line. */
 static void mark_along(const silmap_labels *labels, size_t j, uint32_t *row, uint8_t *crossed) {
     uint32_t w = labels->grid->w, pitch = labels->edge * labels->finer, *first = labels->uniform + j * w;
     for (uint32_t i = 0; i < pitch; i++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The picture that a silmap shows, and how far it is from the original. A texel of the original is the mean over its box, so it is compared with
- * the mean over the same box: of the colours as displayed, since that is what drawing programs average and what people
- * see the errors of. Where no line passes through the box, its centre is its mean.
+ * The picture that a silmap shows, and how far it is from the original. A texel of the original is the mean over its
+ * box, so it is compared with the mean over the same box: of the colours as displayed, since that is what drawing
+ * programs average and what people see the errors of. Where no line passes through the box, its centre is its mean.
  */
 #include "silmap_fit.h"
 

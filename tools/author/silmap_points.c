@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Points and sample regions that make the wrong area small. Points one by one, over all places that a cell has for them; then
- * chains of them (silmap_chain.c); then the regions of samples, for a feature that is thinner than a cell is held if a sample beside it
- * joins it. Every step is taken only if the exact area shrinks.
+ * Points and sample regions that make the wrong area small. Points one by one, over all places that a cell has for
+ * them; then chains of them (silmap_chain.c); then the regions of samples, for a feature that is thinner than a cell is
+ * held if a sample beside it joins it. Every step is taken only if the exact area shrinks.
  */
 #include "silmap_fit.h"
 

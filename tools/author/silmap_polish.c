@@ -24,8 +24,8 @@ static void mean_weights(const polish_job *job, const silmap_view *view, uint32_
         mean[k] = (float)(sum[k] / parts.count);
 }
 
-/* The error of some texels of a cell, nearly: corners are mixed as they are displayed, which spares the curve at every place. It serves to
- * compare points. */
+/* The error of some texels of a cell, nearly: corners are mixed as they are displayed, which spares the curve at every
+ * place. It serves to compare points. */
 static double quick_error(const polish_job *job, const silmap_view *view, const silmap_span *span) {
     const silmap_model *model = job->model;
     uint32_t channels = model->picture->channels;
@@ -66,8 +66,8 @@ static double arm_error(const polish_job *job, size_t c, int arm) {
     return quick_error(job, &view, &span);
 }
 
-/* The error of a cell and of those that its cut arms lead to, as far as it depends on the cell's point; as soon as it is above the limit, no more
- * of it. */
+/* The error of a cell and of those that its cut arms lead to, as far as it depends on the cell's point; as soon as it
+ * is above the limit, no more of it. */
 static double neighbourhood_error(const polish_job *job, size_t c, unsigned cuts, double limit) {
     static const int8_t opposite[4] = {SILMAP_E, SILMAP_S, SILMAP_W, SILMAP_N};
     silmap_view view = silmap_view_of(job->model, c);

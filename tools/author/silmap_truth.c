@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which region of the original is where: from given labels, from closed paths, from shapes (silmap_fill.c), or from flat art (silmap_flat.c). */
+/* Which region of the original is where: from given labels, from closed paths, from shapes (silmap_fill.c), or from
+ * flat art (silmap_flat.c). */
 #include "silmap_fill.h"
 
 #include <math.h>
@@ -558,8 +559,8 @@ static void row_of_paths(const silmap_truth *truth, double y, double x0, double 
     }
 }
 
-/* Where several colours are seen through each other there may be one that no texel has: it counts as that of its texel. So does everything when there
- * is no memory. */
+/* Where several colours are seen through each other there may be one that no texel has: it counts as that of its texel.
+ * So does everything when there is no memory. */
 static void row_of_shapes(const silmap_truth *truth, double y, double x0, double dx, size_t count, uint32_t *out) {
     silmap_sweep sweep;
     const silmap_run everything = {count, 0}, *run = &everything;

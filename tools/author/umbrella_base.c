@@ -79,7 +79,8 @@ static author_result given_outline(building *b) {
         turn_round(&b->outline);
         turn_round(&b->morph);
     }
-    /* Curves that were drawn have been flattened into many vertices; with second positions they belong together and stay. */
+    /* Curves that were drawn have been flattened into many vertices; with second positions they belong together and
+     * stay. */
     if (result == AUTHOR_OK && !input->morph)
         result = author_umbrella_simplify(b->run, &b->outline, most_vertices(input));
     return result;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The colours of a coarser level. What a pixel shows is linear in the colours of all vertices (but for clamping), so the best ones are a
- * least-squares problem: conjugate gradients, begun at the raised-cosine means of the paper, errors weighted by how steep the sRGB curve is.
+ * The colours of a coarser level. What a pixel shows is linear in the colours of all vertices (but for clamping), so
+ * the best ones are a least-squares problem: conjugate gradients, begun at the raised-cosine means of the paper, errors
+ * weighted by how steep the sRGB curve is.
  */
 #include <math.h>
 #include <stdlib.h>

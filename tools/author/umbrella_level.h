@@ -67,12 +67,13 @@ typedef struct umb_shaping {
 } umb_shaping;
 author_result umb_shape_level(author_run *run, const umb_shaping *how, umb_candidate *out);
 
-/* Not merged but new: columns x rows rectangles in each cell, which meet; so each list has (columns + 2) x (rows + 2). */
+/* Not merged but new: columns x rows rectangles in each cell, which meet; so each list has (columns + 2) x (rows +
+ * 2). */
 author_result umb_tile_level(author_run *run, const umb_grid *grid, uint32_t columns, uint32_t rows,
                              uint32_t most_vertices, uint32_t bits, umb_candidate *out);
 
-/* The colours by least squares, in steps of the file, and how good they are. truth and background: at all phases; pixel: what one counts for in a lookup, in
- * cells, which is less where a side has not been halved exactly. */
+/* The colours by least squares, in steps of the file, and how good they are. truth and background: at all phases;
+ * pixel: what one counts for in a lookup, in cells, which is less where a side has not been halved exactly. */
 author_result umb_fit_level(author_run *run, umb_candidate *candidate, zt_umbrella_colour_mode mode, author_xy pixel,
                             const author_picture *truth, const author_picture *background);
 

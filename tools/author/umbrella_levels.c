@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Coarser levels, from the bottom up: the umbrellas of 2 x 2 cells become fewer, as many as the longest list allows; of several outlines the cheapest
- * one is kept that is good enough, or the best.
+ * Coarser levels, from the bottom up: the umbrellas of 2 x 2 cells become fewer, as many as the longest list allows; of
+ * several outlines the cheapest one is kept that is good enough, or the best.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "umbrella_level.h"
 
 #define LONGEST 8 /* a list may always be so long */
-#define LIMIT 49  /* and so long where nothing else is good enough: 5 x 5 rectangles in a cell, and those around them */
+#define LIMIT 49  /* and so long where nothing else is good enough: 5 x 5 rectangles, and those around them */
 #define VERTICES 12
 #define VERTICES_MOST 64
 #define QUALITY 31.0                     /* dB */

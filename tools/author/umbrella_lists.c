@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which umbrellas each cell lists: those whose polygon comes within an eighth of a cell (a disc's radius) of it; and where an ellipsoid
- * bends the polygon outwards (section 6), those whose bent outline reaches it. The bent outline is taken at BENT points a side.
+ * Which umbrellas each cell lists: those whose polygon comes within an eighth of a cell (a disc's radius) of it; and
+ * where an ellipsoid bends the polygon outwards (section 6), those whose bent outline reaches it. The bent outline is
+ * taken at BENT points a side.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Regions into fewer umbrellas (section 5 of the paper): k-means on their centres, cell by cell; around each cluster the convex hull of what
- * is seen of it, its flattest vertices dropped, or a polygon that wraps it more closely.
+ * Regions into fewer umbrellas (section 5 of the paper): k-means on their centres, cell by cell; around each cluster
+ * the convex hull of what is seen of it, its flattest vertices dropped, or a polygon that wraps it more closely.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -175,7 +175,8 @@ static size_t drop_flattest(author_xy *hull, size_t count, size_t most) {
     return count;
 }
 
-/* The farthest sample in each of `most` directions, or what makes the area right. Where there is none the polygon goes in. */
+/* The farthest sample in each of `most` directions, or what makes the area right. Where there is none the polygon goes
+ * in. */
 static size_t wrap_closely(const author_xy *points, size_t count, size_t most, umb_style style, author_xy *out) {
     double far[64] = {0}, squares[64] = {0}, seen[64] = {0};
     for (size_t k = 0; k < most; k++) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where coarser levels are fitted and measured: at pixels of a grid, of this grid shifted by half a pixel along one side or both, and of all these shifted by a
- * quarter along both. Hardly a lookup lies in the middle of a pixel of one grid.
+ * Where coarser levels are fitted and measured: at pixels of a grid, of this grid shifted by half a pixel along one
+ * side or both, and of all these shifted by a quarter along both. Hardly a lookup lies in the middle of a pixel of one
+ * grid.
  */
 #include <math.h>
 

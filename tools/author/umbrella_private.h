@@ -27,12 +27,13 @@ uint8_t umb_offset_code(double offset); /* a colour offset as the file has it */
 double umb_offset(uint8_t code);
 uint8_t umb_colour_code(double value); /* a colour of form 2 */
 
-/* umbrella_shape.c: how far the ray from the centre through direction d gets before it leaves the outline for good, in lengths of d. */
+/* umbrella_shape.c: how far the ray from the centre through direction d gets before it leaves the outline for good, in
+ * lengths of d. */
 double umb_farthest(const author_outline *outline, author_xy centre, author_xy d);
 
 /* umbrella_cut.c: pictures of bases. */
-/* Texels x0 .. x0 + width etc. of the picture, of which parts may lie outside, averaged over factor x factor, as 4 channels; colours go on where
- * alpha is 0. coverage NULL: the picture's alpha, or 1. */
+/* Texels x0 .. x0 + width etc. of the picture, of which parts may lie outside, averaged over factor x factor, as 4
+ * channels; colours go on where alpha is 0. coverage NULL: the picture's alpha, or 1. */
 typedef struct umb_cut {
     int64_t x0, y0;
     uint32_t width, height, factor; /* width and height after the reduction */
@@ -50,7 +51,8 @@ author_result umb_coverage(author_run *run, const author_picture *picture, const
                            author_picture *coverage);
 
 /* umbrella_polygon.c: umbrellas as they lie in their level. */
-/* Vertices of an umbrella relative to its centre, in cells of its level; out has room for AUTHOR_VERTICES. Returns their number. */
+/* Vertices of an umbrella relative to its centre, in cells of its level; out has room for AUTHOR_VERTICES. Returns
+ * their number. */
 size_t umb_polygon(const zt_umbrella_info *info, const zt_umbrella *umbrella, uint32_t bits, author_xy *out);
 /* The file's integers: star-shaped as in rule 8307? d are vertices less centre. Returns the first bad one, or count. */
 size_t umb_bad_offset(const zt_umbrella_offset *d, size_t count);
@@ -66,8 +68,8 @@ void umb_show(author_umbrellas *umbrellas);
 void umb_add_error(author_phase_errors *errors, const author_picture *wanted, size_t texel, double shown);
 double umb_decibel(double squares, size_t count); /* infinite without errors */
 
-/* umbrella_lists.c: the lists of one level, whose umbrellas begin at info->levels[level].first_umbrella. starts has room for cells + 1, and
- * counts from 0; *entries is malloc'd. */
+/* umbrella_lists.c: the lists of one level, whose umbrellas begin at info->levels[level].first_umbrella. starts has
+ * room for cells + 1, and counts from 0; *entries is malloc'd. */
 author_result umb_lists(author_run *run, const zt_umbrella_info *info, uint32_t level, const int repeat[2],
                         uint32_t *starts, uint32_t **entries, uint32_t *longest);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is seen of each umbrella, at SAMPLES x SAMPLES places of a cell; what nobody sees is not merged into anything. */
+/* What is seen of each umbrella, at SAMPLES x SAMPLES places of a cell; what nobody sees is not merged into
+ * anything. */
 #include <math.h>
 #include <stdlib.h>
 

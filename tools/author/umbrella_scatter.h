@@ -11,7 +11,8 @@ typedef struct umb_field {
     int repeat_x, repeat_y;
 } umb_field;
 
-/* Count points, none closer to another than can be at that number: darts, with a distance that shrinks where none finds room. */
+/* Count points, none closer to another than can be at that number: darts, with a distance that shrinks where none finds
+ * room. */
 author_result umb_scatter_discs(author_run *run, const umb_field *field, size_t count, author_random *random,
                                 author_xy *points);
 /* columns x rows points. jitter is 0 to 1 of a step; row_shift moves every second row by steps. */

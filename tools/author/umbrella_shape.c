@@ -55,7 +55,8 @@ size_t author_outline_bad_vertex(const author_outline *outline, author_xy centre
 
 /* ---- kernel ------------------------------------------------------------------------------------------------ */
 
-/* The part of a convex polygon that lies at least `distance` inside of the line from a to b; room for one point more. */
+/* The part of a convex polygon that lies at least `distance` inside of the line from a to b; room for one point
+ * more. */
 static size_t clip(author_xy *points, size_t count, author_xy a, author_xy b, double distance, author_xy *scratch) {
     author_xy along = umb_less(b, a);
     double length = sqrt(along.x * along.x + along.y * along.y);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A level of rectangles. Where elements are as small as pixels there is nothing left of their shapes, and rectangles are what needs the fewest
- * entries in the lists for the most colours: with 2 x 2 in a cell and 12 vertices each, 52 colours for 64 pixels.
+ * A level of rectangles. Where elements are as small as pixels there is nothing left of their shapes, and rectangles
+ * are what needs the fewest entries in the lists for the most colours: with 2 x 2 in a cell and 12 vertices each, 52
+ * colours for 64 pixels.
  */
 #include <stdlib.h>
 

@@ -59,7 +59,8 @@ static size_t gather_agreeing(tie *ties, size_t count) {
     return kept;
 }
 
-/* Where many features are thought to be the same one, as on plain colour, at most one is: the most distinctive stays. */
+/* Where many features are thought to be the same one, as on plain colour, at most one is: the most distinctive
+ * stays. */
 static author_result keep_one_each(author_run *run, author_match *matches, size_t *count, size_t trains) {
     uint32_t *first = author_alloc(run, trains, sizeof *first); /* 1 + the best match */
     size_t kept = 0;
@@ -156,7 +157,8 @@ static bool orient(const photo *photos, edge *e) {
     return plane_normalise(&e->matrix);
 }
 
-/* Whether ties enough follow one homography. What is far outside of the fine picture may look odd, so it is turned before it is judged. */
+/* Whether ties enough follow one homography. What is far outside of the fine picture may look odd, so it is turned
+ * before it is judged. */
 static author_result try_ties(author_run *run, const author_vision *vision, const photo *photos, const tie *ties,
                               size_t count, edge *e) {
     plane pixels;

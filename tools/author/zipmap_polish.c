@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The last step of a pair: place and light are solved for together. refine_plane takes the light out first, which works far from the place as
- * well, but leaves a bias where pictures are smooth: a vignette that is not quite out moves a soft edge, and so does a
- * logarithm that levels off. A chain of zooms multiplies that. Here each channel of the coarse picture is predicted as that of the fine one times a gain, which is
- * a polynomial in the place and in the distance from the centre of the fine picture; its coefficients are unknowns of the same equations as
- * the homography, and so is how much less sharp one picture is. Brightness near white is not looked at: noise
- * decides there which texels are cut off, and those that are left would be too dark on the average.
+ * The last step of a pair: place and light are solved for together. refine_plane takes the light out first, which works
+ * far from the place as well, but leaves a bias where pictures are smooth: a vignette that is not quite out moves a
+ * soft edge, and so does a logarithm that levels off. A chain of zooms multiplies that. Here each channel of the coarse
+ * picture is predicted as that of the fine one times a gain, which is a polynomial in the place and in the distance
+ * from the centre of the fine picture; its coefficients are unknowns of the same equations as the homography, and so is
+ * how much less sharp one picture is. Brightness near white is not looked at: noise decides there which texels are cut
+ * off, and those that are left would be too dark on the average.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -23,8 +23,8 @@ bool plane_normalise(plane *a);
 bool plane_apply(const plane *a, double x, double y, double *u, double *v);
 /* Square root of the determinant of the derivative at (x, y); 0 where w or the determinant is not positive. */
 double plane_magnification(const plane *a, double x, double y);
-/* Whether coarse coordinates to fine ones can be a photograph of a plane: all corners in front, no mirror, and no corner magnified very
- * differently from another. size: width and height of both pictures. */
+/* Whether coarse coordinates to fine ones can be a photograph of a plane: all corners in front, no mirror, and no
+ * corner magnified very differently from another. size: width and height of both pictures. */
 bool plane_plausible(const plane *a, const uint32_t coarse[2], const uint32_t fine[2]);
 /* The pixels of fine on a length of one pixel of coarse, at the centre of fine. */
 double plane_ratio(const plane *a, const uint32_t coarse[2], const uint32_t fine[2]);
@@ -37,7 +37,8 @@ bool plane_solve(double *a, double *x, size_t n);
 
 enum { LUMA_LEVELS = 12 };
 
-/* Square roots of linear light: noise is about as strong in the dark as in the light, and exposure is still a factor. */
+/* Square roots of linear light: noise is about as strong in the dark as in the light, and exposure is still a
+ * factor. */
 typedef struct luma_level {
     uint32_t width, height;
     float *texels;
@@ -90,7 +91,8 @@ author_result view_open(author_run *run, const luma *coarse, const luma *fine, c
                         uint32_t level, const plane *matrix, view *out);
 /* The fine picture averaged over a texel of the coarse part. False where a part of it is outside or clipped. */
 bool view_average(const view *v, const plane *matrix, size_t x, size_t y, float *out);
-/* Weights of the coarse and the fine picture's channels that make equal colours equal when the white balance differs. */
+/* Weights of the coarse and the fine picture's channels that make equal colours equal when the white balance
+ * differs. */
 author_result view_balance(author_run *run, const luma *coarse, const luma *fine, const plane *matrix,
                            float weights[2][3]);
 void view_release(view *v);
@@ -109,14 +111,15 @@ void residuals_add(residuals *all, double value);
 /* Standard deviation, from the median, which a third of wrong residuals does not move far. */
 double residuals_deviation(const residuals *all);
 
-/* How brightness at a place of the footprint's box (-1 to 1) changes with the motion; gradient: of the warped picture, a texel. */
+/* How brightness at a place of the footprint's box (-1 to 1) changes with the motion; gradient: of the warped picture,
+ * a texel. */
 void motion_row(const view *v, const double place[2], const double gradient[2], double row[MOTION]);
 /* The motion, then the matrix. */
 void motion_apply(const view *v, const double d[MOTION], plane *matrix);
 /* How far a corner moves at most, in texels of the coarse picture. */
 double motion_travel(const view *v, const double d[MOTION]);
-/* Expected error of the footprint's corners, in texels of the coarse picture, where residuals have a deviation of 1. normal: lower
- * triangle of the normal equations, the motion first. */
+/* Expected error of the footprint's corners, in texels of the coarse picture, where residuals have a deviation of 1.
+ * normal: lower triangle of the normal equations, the motion first. */
 double motion_spread(const view *v, const double *normal, size_t unknowns);
 
 /* ---- one pair (zipmap_pair.c, zipmap_refine.c, zipmap_polish.c, zipmap_unique.c) ---------------------------- */
@@ -182,8 +185,8 @@ typedef struct edge_list {
 /* Room for one more edge; NULL without memory. */
 edge *edge_append(author_run *run, edge_list *list);
 
-/* Pairs that may hold, by coarse, then fine (which of the two is which is not known yet): for each picture the `wanted` best candidates.
- * memory: bytes that it may take, about (zipmap_select.c). */
+/* Pairs that may hold, by coarse, then fine (which of the two is which is not known yet): for each picture the `wanted`
+ * best candidates. memory: bytes that it may take, about (zipmap_select.c). */
 author_result select_pairs(author_run *run, const author_vision *vision, const photo *photos, size_t count,
                            uint32_t wanted, uint64_t memory, edge_list *out);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sub-pixel refinement of one pair: Gauss-Newton on brightness, from coarse to fine. The coarse picture's texels stay as they are; what
- * moves is the fine picture, averaged over the area of each of them, because it can be sampled without aliasing. What is compared
- * are logarithms, less a polynomial and the mean of their surroundings: exposure and vignetting are factors that vary slowly, and drop out. Residuals
- * count with the brightness, because noise grows in the logarithm where it is dark. The contrast may differ, and one picture may be less
- * sharp. All unknowns, 8 of the homography and these 2, are solved for together; texels that disagree count less (Geman and
- * McClure 1987).
+ * Sub-pixel refinement of one pair: Gauss-Newton on brightness, from coarse to fine. The coarse picture's texels stay
+ * as they are; what moves is the fine picture, averaged over the area of each of them, because it can be sampled
+ * without aliasing. What is compared are logarithms, less a polynomial and the mean of their surroundings: exposure and
+ * vignetting are factors that vary slowly, and drop out. Residuals count with the brightness, because noise grows in
+ * the logarithm where it is dark. The contrast may differ, and one picture may be less sharp. All unknowns, 8 of the
+ * homography and these 2, are solved for together; texels that disagree count less (Geman and McClure 1987).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -112,7 +112,8 @@ static void smooth_of(const model *m, size_t i, double basis[SMOOTH]) {
     memcpy(basis, all, sizeof all);
 }
 
-/* Adds the polynomial that brings the warped picture closest to the coarse one: exposure, and vignetting of both lenses. */
+/* Adds the polynomial that brings the warped picture closest to the coarse one: exposure, and vignetting of both
+ * lenses. */
 static void equalise(model *m) {
     double normal[SMOOTH * SMOOTH] = {0}, right[SMOOTH] = {0}, basis[SMOOTH];
     size_t count = (size_t)m->warped.width * m->warped.height;
@@ -146,7 +147,8 @@ static author_result look(author_run *run, model *m, const plane *matrix, uint32
 
 /* ---- one texel -------------------------------------------------------------------------------------------- */
 
-/* Of the noise, and of what sharp detail differs by for other reasons: so no edge, however strong, counts for more than its share. */
+/* Of the noise, and of what sharp detail differs by for other reasons: so no edge, however strong, counts for more than
+ * its share. */
 static double weight_of(const model *m, const texel *t) {
     double strength = t->gradient[0] * t->gradient[0] + t->gradient[1] * t->gradient[1];
     double noise = m->noise * m->noise, variance = noise + JITTER * JITTER * strength;
@@ -262,8 +264,8 @@ static bool take_step(model *m, plane *matrix, int moving, const sums *s, double
     return true;
 }
 
-/* Lets the first `moving` unknowns of the motion move until they rest, or until that makes things worse: then the best that was
- * there stays. *rests is false where they cannot even begin. */
+/* Lets the first `moving` unknowns of the motion move until they rest, or until that makes things worse: then the best
+ * that was there stays. *rests is false where they cannot even begin. */
 static author_result settle(author_run *run, model *m, plane *matrix, int moving, double rest, sums *s, bool *rests) {
     state best = {.noise = HUGE_VAL};
     author_result result = AUTHOR_OK;
@@ -337,7 +339,8 @@ static void add_to_block(block *blocks, const texel *p) {
     b->weight += p->weight;
 }
 
-/* What each block would still move, and how much of that is a radial lens distortion. Blocks without detail say nothing. */
+/* What each block would still move, and how much of that is a radial lens distortion. Blocks without detail say
+ * nothing. */
 static void measure_blocks(const model *m, double ratio, refine_result *out) {
     block blocks[BLOCKS * BLOCKS] = {{0}};
     double squares = 0, count = 0, along = 0, length = 0, w = m->coarse.width, h = m->coarse.height;
@@ -380,7 +383,8 @@ static author_result measure(author_run *run, model *m, const photo *fine, sums 
 
 /* ---- from coarse to fine ---------------------------------------------------------------------------------- */
 
-/* Where the coarse picture is clearly less sharp, the fine one is made so: the linear term would not do. *softer: it was. */
+/* Where the coarse picture is clearly less sharp, the fine one is made so: the linear term would not do. *softer: it
+ * was. */
 static author_result match_sharpness(author_run *run, model *m, const plane *matrix, bool *softer) {
     double passes = floor(m->blur * PASSES_PER_BLUR + 0.5);
     *softer = passes >= 1;

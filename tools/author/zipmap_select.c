@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which pairs of many photographs are worth a look. All features go into one index; the largest of each picture, which are those that a
- * coarser picture can show, are looked up there, and vote for the pictures that have something alike. Features of one zoom differ
- * by one size and one turn: only votes that agree in both count together, so that chance makes few.
+ * Which pairs of many photographs are worth a look. All features go into one index; the largest of each picture, which
+ * are those that a coarser picture can show, are looked up there, and vote for the pictures that have something alike.
+ * Features of one zoom differ by one size and one turn: only votes that agree in both count together, so that chance
+ * makes few.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -179,8 +180,8 @@ static float score(const selection *s, size_t a, size_t b) {
     return fmaxf(s->scores[a * s->count + b], s->scores[b * s->count + a]);
 }
 
-/* Marks the best partners of a picture, as many as wanted, and more of them while they are clear: where many pictures show one thing, its
- * own parent need not be among the first. */
+/* Marks the best partners of a picture, as many as wanted, and more of them while they are clear: where many pictures
+ * show one thing, its own parent need not be among the first. */
 static void mark_best(const selection *s, size_t i, uint32_t wanted, bool *chosen) {
     bool *own = chosen + i * s->count;
     for (uint32_t n = 0; n < MORE * wanted; n++) {

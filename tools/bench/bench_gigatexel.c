@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Question: can an image larger than memory be written with all its levels, and read by region, in bounded memory?
- * Writes a square RGBA8 image (default 32768 x 32768, a gigatexel) of synthetic terrain in strips, checks and reads 1000
- * regions at random levels, and prints times and the peak of resident memory.
+ * Writes a square RGBA8 image (default 32768 x 32768, a gigatexel) of synthetic terrain in strips, checks and reads
+ * 1000 regions at random levels, and prints times and the peak of resident memory.
  *
  * usage: bench_gigatexel [EDGE] [FILE]     FILE is removed at the end unless it was named
  */
@@ -34,8 +34,8 @@ static int fail(const char *what, const zt_diag *diag) {
     return 1;
 }
 
-/* Slopes with a little noise: what a compressor meets in an aerial picture. The texel is a function of its place, so that
- * what is read can be compared. */
+/* Slopes with a little noise: what a compressor meets in an aerial picture. The texel is a function of its place, so
+ * that what is read can be compared. */
 static void texel(uint32_t x, uint32_t y, unsigned char *out) {
     uint32_t noise = (x * 2654435761u ^ y * 2246822519u) * 3266489917u >> 29;
     out[0] = (unsigned char)((x >> 4 ^ y >> 5) + noise);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Question: does a lookup in a zipmap cost what overlaps there, not what there is? One mipmapped texture, a zipmap of 30
- * patches and one of 10,000 with the same overlap, every patch with an image of its own, are looked up over the same raster,
- * in one run. The patches are half transparent, so that no lookup ends early. Wanted: 10,000 cost at most 1.5 times what 30
- * cost, and open within 50 ms.
+ * Question: does a lookup in a zipmap cost what overlaps there, not what there is? One mipmapped texture, a zipmap of
+ * 30 patches and one of 10,000 with the same overlap, every patch with an image of its own, are looked up over the same
+ * raster, in one run. The patches are half transparent, so that no lookup ends early. Wanted: 10,000 cost at most 1.5
+ * times what 30 cost, and open within 50 ms.
  */
 #include <math.h>
 #include <stdio.h>

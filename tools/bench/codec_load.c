@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Question: how long does a whole texture, 4096 x 4096 RGBA8 with all levels, take from the bytes of its file into memory
- * that can be uploaded, against one zstd frame at level 19 for each level?
+ * Question: how long does a whole texture, 4096 x 4096 RGBA8 with all levels, take from the bytes of its file into
+ * memory that can be uploaded, against one zstd frame at level 19 for each level?
  *
  * The texture is an atlas of the set's pictures of 1024 x 1024 RGBA8, no two alike while there are enough. In memory
  * the levels stand from the coarsest to the finest.

@@ -3,10 +3,10 @@
  * Question: how small does libzt store real textures, and how fast does it decode and encode them, against the formats
  * that people use now?
  *
- * A round first encodes, picture by picture, with all contenders. Then each contender decodes all pictures, one after the
- * other as a loader does, after one that does not count: so its code is in the caches and its threads are awake, and the
- * texels of the picture before are in the caches instead of those that come. Those whose wall time counts have turns of
- * their own behind the rounds, many, since it is the machine's whole time that they measure.
+ * A round first encodes, picture by picture, with all contenders. Then each contender decodes all pictures, one after
+ * the other as a loader does, after one that does not count: so its code is in the caches and its threads are awake,
+ * and the texels of the picture before are in the caches instead of those that come. Those whose wall time counts have
+ * turns of their own behind the rounds, many, since it is the machine's whole time that they measure.
  *
  * usage: bench_codec [--rounds N] [--only TEXT] [--no-load] [--list FILE] [--pictures FOLDER] [--write FOLDER]
  *     --only TEXT       pictures whose name or class contains TEXT

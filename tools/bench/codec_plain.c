@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ours with the decoder in plain C, as machines have it for which there is no vector path. libzt itself has no way to ask
- * for that, so this looks inside. */
+/* Ours with the decoder in plain C, as machines have it for which there is no vector path. libzt itself has no way to
+ * ask for that, so this looks inside. */
 #include <zt/zt.h>
 
 #include "codec.h"

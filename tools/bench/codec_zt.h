@@ -10,8 +10,8 @@
 /* effort: CODEC_EFFORT_... */
 zt_writer_options codec_zt_options(int effort, const zt_parallel *parallel);
 
-/* NULL for no threads; else 2: a pool that lives as long as the program. From the first call on the calling thread stays
- * on one processor. */
+/* NULL for no threads; else 2: a pool that lives as long as the program. From the first call on the calling thread
+ * stays on one processor. */
 const zt_parallel *codec_zt_parallel(int threads);
 
 /* A file with one texture of one image; rows: of level 0, tight. */

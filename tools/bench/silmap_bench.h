@@ -25,7 +25,8 @@ void bench_fail(const char *what, const char *why);
 
 /* ---- silmap_shape.c ------------------------------------------------------------------------------------- */
 
-/* A straight piece of an outline. The inside is on its left as seen when y points up, that is where cross(direction, place - start) < 0. */
+/* A straight piece of an outline. The inside is on its left as seen when y points up, that is where cross(direction,
+ * place - start) < 0. */
 typedef struct piece {
     double x0, y0, x1, y1;
     uint32_t contour;

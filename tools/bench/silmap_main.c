@@ -2,9 +2,10 @@
 /*
  * silmap_bench KIND FILE CELLS LEFT TOP WIDTH [WORD...]: one input at one size, as JSON.
  *
- * KIND is outline, drawing or photo; the crop is that of a drawing. Outlines and drawings are hinted where that makes the silmap better, for all
- * contestants alike. Words: "plain" leaves them where they are; "equal" adds contestants of the silmap's bytes in memory and in the file; "bytes" gives the sizes of the silmap's files
- * alone, "areas" those of disagreement; "crops=PREFIX" writes a part of each picture at 16x as PPM.
+ * KIND is outline, drawing or photo; the crop is that of a drawing. Outlines and drawings are hinted where that makes
+ * the silmap better, for all contestants alike. Words: "plain" leaves them where they are; "equal" adds contestants of
+ * the silmap's bytes in memory and in the file; "bytes" gives the sizes of the silmap's files alone, "areas" those of
+ * disagreement; "crops=PREFIX" writes a part of each picture at 16x as PPM.
  */
 #include <math.h>
 #include <stdio.h>
@@ -90,7 +91,8 @@ static void fit(job *j) {
     release_input(&input, &picture);
 }
 
-/* As `ztex make silmap --hint` does it: what is fitted moves if it is better so. All contestants get the drawing where it is then. */
+/* As `ztex make silmap --hint` does it: what is fitted moves if it is better so. All contestants get the drawing where
+ * it is then. */
 static void try_hint(job *j, truth again) {
     author_run run = {0};
     author_silmap_place place;

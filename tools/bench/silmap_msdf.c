@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A distance field of three channels (Chlumsky, 2015): the pieces between two corners of an outline have two of three colours each, so
- * that at a corner one colour changes hands; each channel holds the signed distance to the nearest piece of its colour, beyond the ends of a piece
- * the distance to the line through it; and the median of the three is the shape, with its corners.
- * Texels between which the median errs, as interpolated, are made one distance again.
+ * A distance field of three channels (Chlumsky, 2015): the pieces between two corners of an outline have two of three
+ * colours each, so that at a corner one colour changes hands; each channel holds the signed distance to the nearest
+ * piece of its colour, beyond the ends of a piece the distance to the line through it; and the median of the three is
+ * the shape, with its corners. Texels between which the median errs, as interpolated, are made one distance again.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far a picture is from the truth, as displayed: PSNR and SSIM (Wang et al. 2004: Gaussian window of 1.5 pixels). */
+/* How far a picture is from the truth, as displayed: PSNR and SSIM (Wang et al. 2004: Gaussian window of 1.5
+ * pixels). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A distance field as it is used for glyphs and signs (Green, SIGGRAPH 2007): each texel has the distance of its centre to the outline, less
- * outside and more inside, in 8 bits over some texels to each side. Here the distances are exact.
+ * A distance field as it is used for glyphs and signs (Green, SIGGRAPH 2007): each texel has the distance of its centre
+ * to the outline, less outside and more inside, in 8 bits over some texels to each side. Here the distances are exact.
  */
 #include <math.h>
 #include <stdlib.h>

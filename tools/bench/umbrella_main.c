@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bench_umbrella_one FILE...: what a lookup in the first texture of each file costs, in nanoseconds, as JSON: at the pixels of a square picture row
- * by row, and at the same places in no order. The files take turns, so that what else the machine does meets them all alike.
+ * bench_umbrella_one FILE...: what a lookup in the first texture of each file costs, in nanoseconds, as JSON: at the
+ * pixels of a square picture row by row, and at the same places in no order. The files take turns, so that what else
+ * the machine does meets them all alike.
  */
 #include <math.h>
 #include <stdio.h>

@@ -24,6 +24,8 @@ FILE_LINES = 800
 FUNCTION_LINES = 60
 NESTING = 3
 
+COLUMNS = 120  # clang-format leaves comments as they are
+
 # --- the layers ------------------------------------------------------------------------------------
 # libzt/src is flat; a file's layer is its prefix, and a layer sees the ones named behind it.
 
@@ -179,7 +181,7 @@ def check_format(repo):
 
 
 def check_blanks(repo):
-    """no tabs, no blanks at the end of a line, a newline at the end of a file"""
+    """no tabs, no blanks at the end of a line, a newline at the end of a file; C of 120 columns, comments too"""
     paths = [p for p in repo.paths if repo.text(p) is not None]
     result = Result(f'{len(paths)} files')
     for path, number, line in repo.lines(paths):
@@ -187,6 +189,8 @@ def check_blanks(repo):
             result.add(f'{path}:{number}', 'a tab')
         if line != line.rstrip():
             result.add(f'{path}:{number}', 'blanks at the end')
+        if path.endswith(('.c', '.h', '.cpp')) and len(line) > COLUMNS:
+            result.add(f'{path}:{number}', f'longer than {COLUMNS} columns')
     for path in paths:
         if repo.text(path) and not repo.text(path).endswith('\n'):
             result.add(path, 'no newline at the end')

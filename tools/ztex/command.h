@@ -29,8 +29,8 @@
  *
  * Standard output carries data only; messages go to standard error through the functions below.
  * A verb may have two words, as "make zipmap": a verb of its own with a table of its own, which stands in its own file
- * (verb_make_zipmap.c), in cmd_verbs and, with a dash, in ztex_verbs of CMakeLists.txt. Where it is the name of a program, a man page
- * or a shell word, the space is a dash.
+ * (verb_make_zipmap.c), in cmd_verbs and, with a dash, in ztex_verbs of CMakeLists.txt. Where it is the name of a
+ * program, a man page or a shell word, the space is a dash.
  *
  * `-` as an input is standard input, as an output standard output. All functions are for the main thread.
  */
@@ -86,9 +86,8 @@ typedef struct cmd_option {
     char letter;         /* short name, or 0. h, q, v are taken */
     const char *metavar; /* "N", "FILE"; NULL: a flag */
     cmd_kind kind;
-    const char
-        *choices; /* CMD_CHOICE: "a|b|c". Also completes CMD_TEXT and CMD_INTEGER, where other words stay allowed;
-                             CMD_INTEGER then accepts these words too: read them with cmd_text */
+    const char *choices;  /* CMD_CHOICE: "a|b|c". Also completes CMD_TEXT and CMD_INTEGER, where other words stay
+                             allowed;  CMD_INTEGER then accepts these words too: read them with cmd_text */
     const char *fallback; /* shown in the help as default, and the value when the option is not given; NULL: none */
     const char *help;     /* one or more sentences */
     uint64_t min, max;    /* CMD_INTEGER */
@@ -169,7 +168,8 @@ void cmd_hint(const char *format, ...) CMD_PRINTF(1, 2); /* "      " + what to d
 int cmd_fail(int status, const char *format, ...) CMD_PRINTF(2, 3);
 /* Prints the message and "Try 'ztex VERB --help'." and returns CMD_USAGE. */
 int cmd_usage(const cmd_args *args, const char *format, ...) CMD_PRINTF(2, 3);
-/* "ztex: FILE: text (rule 3001, IMAG/image 3, offset 123)" and a hint. Returns the exit code of the result. diag may be NULL. */
+/* "ztex: FILE: text (rule 3001, IMAG/image 3, offset 123)" and a hint. Returns the exit code of the result. diag may be
+ * NULL. */
 int cmd_fail_result(const char *file, zt_result result, const zt_diag *diag);
 int cmd_status_of(zt_result result); /* only the mapping */
 
@@ -190,13 +190,14 @@ char *cmd_bytes_text(char *dst, size_t size, uint64_t bytes);
 
 /* ---- interruption and progress --------------------------------------------------------------------- */
 
-/* 1 after SIGINT, SIGTERM or SIGHUP: stop, release, return CMD_CANCELLED. A second signal ends the process at once (status
- * 128 + signal), temporary files removed. */
+/* 1 after SIGINT, SIGTERM or SIGHUP: stop, release, return CMD_CANCELLED. A second signal ends the process at once
+ * (status 128 + signal), temporary files removed. */
 int cmd_interrupted(void);
 /* Prints "interrupted" and returns CMD_CANCELLED. */
 int cmd_cancelled(void);
 
-/* A line on standard error with per cent and time left: only on a terminal, only without -q, only after half a second. */
+/* A line on standard error with per cent and time left: only on a terminal, only without -q, only after half a
+ * second. */
 typedef struct cmd_progress {
     const char *label; /* lives until cmd_progress_end */
     double start, last_time, base, span;
@@ -204,8 +205,8 @@ typedef struct cmd_progress {
 } cmd_progress;
 
 void cmd_progress_begin(cmd_progress *progress, const cmd_args *args, const char *label);
-/* For zt_writer_options.progress and zt_check_options.progress with user = the cmd_progress (works with NULL too). Returns 1
- * when interrupted. done is of the part set by cmd_progress_part. */
+/* For zt_writer_options.progress and zt_check_options.progress with user = the cmd_progress (works with NULL too).
+ * Returns 1 when interrupted. done is of the part set by cmd_progress_part. */
 int cmd_progress_step(void *progress, double done);
 /* From now on 0 to 1 of cmd_progress_step means from..to of the whole. NULL is allowed. */
 void cmd_progress_part(cmd_progress *progress, double from, double to);
@@ -220,13 +221,13 @@ typedef struct cmd_input {
     size_t size;
 } cmd_input;
 
-/* Opens a texture file, or standard input for "-" (read whole, within --memory), with --memory as limit. flags: ZT_OPEN_...
- * Prints the message on failure. Returns a cmd_status; input is all zero unless it is CMD_OK. */
+/* Opens a texture file, or standard input for "-" (read whole, within --memory), with --memory as limit. flags:
+ * ZT_OPEN_... Prints the message on failure. Returns a cmd_status; input is all zero unless it is CMD_OK. */
 int cmd_open(const cmd_args *args, const char *path, uint32_t flags, cmd_input *input);
 void cmd_close(cmd_input *input); /* all zero is allowed */
 
-/* Reads a whole file or, for "-", standard input, at most limit bytes (0: --memory). *data is malloc'd, has one NUL behind the
- * last byte, and is freed by the caller. Prints the message on failure. */
+/* Reads a whole file or, for "-", standard input, at most limit bytes (0: --memory). *data is malloc'd, has one NUL
+ * behind the last byte, and is freed by the caller. Prints the message on failure. */
 int cmd_read_all(const cmd_args *args, const char *path, uint64_t limit, void **data, size_t *size);
 
 /* "standard input" for "-", else the path. */
@@ -234,11 +235,13 @@ const char *cmd_input_name(const char *path);
 
 int cmd_ends_with(const char *text, const char *end);
 
-/* Refuses, with message and CMD_USAGE, when output is the same file as one of the inputs (same inode, or the same path). "-" never is. */
+/* Refuses, with message and CMD_USAGE, when output is the same file as one of the inputs (same inode, or the same
+ * path). "-" never is. */
 int cmd_check_output(const char *output, const char *const *inputs, size_t input_count);
 
-/* Any file that appears whole or not at all: a temporary file beside path, renamed by cmd_output_commit. For "-": standard output
- * directly (with binary != 0 a terminal is refused). Between them write to output.stream. All functions print their message. */
+/* Any file that appears whole or not at all: a temporary file beside path, renamed by cmd_output_commit. For "-":
+ * standard output directly (with binary != 0 a terminal is refused). Between them write to output.stream. All functions
+ * print their message. */
 typedef struct cmd_output {
     FILE *stream;
     const char *path; /* must live until commit or drop */
@@ -251,21 +254,24 @@ void cmd_output_drop(cmd_output *output);  /* leaves no trace; all zero is allow
 /* Commits if status, that of all that came before, is CMD_OK, and else drops. Returns what has become of it. */
 int cmd_output_end(cmd_output *output, int status);
 
-/* A temporary file's name beside path (malloc'd; the file exists, is empty, and is removed by a signal) and its end. Of use where a
- * library wants a path. cmd_temporary_keep renames it to path (CMD_OK or a printed CMD_IO); _drop deletes it. Both free the name. */
+/* A temporary file's name beside path (malloc'd; the file exists, is empty, and is removed by a signal) and its end. Of
+ * use where a library wants a path. cmd_temporary_keep renames it to path (CMD_OK or a printed CMD_IO); _drop deletes
+ * it. Both free the name. */
 char *cmd_temporary(const char *path);
 int cmd_temporary_keep(char *temporary, const char *path);
 void cmd_temporary_drop(char *temporary); /* NULL is allowed */
 
-/* A writer to a path or, for "-", to standard output (a terminal is refused), with --threads, --memory and interruption. options may
- * be NULL; its limits and parallel are filled in when they are NULL. Prints the message on failure. */
+/* A writer to a path or, for "-", to standard output (a terminal is refused), with --threads, --memory and
+ * interruption. options may be NULL; its limits and parallel are filled in when they are NULL. Prints the message on
+ * failure. */
 int cmd_writer_open(cmd_args *args, const char *path, const zt_writer_options *options, zt_writer **out);
 /* zt_writer_finish with message. Does not close the writer. */
 int cmd_writer_finish(const char *path, zt_writer *writer);
 
 /* ---- names of numbers --------------------------------------------------------------------------------- */
 
-/* Names of spec/registry.md. Unknown numbers give NULL, unknown names -1. "base_colour" and "base-colour" are the same. */
+/* Names of spec/registry.md. Unknown numbers give NULL, unknown names -1. "base_colour" and "base-colour" are the
+ * same. */
 const char *cmd_semantic_name(uint32_t semantic);
 int cmd_semantic_number(const char *name);
 const char *cmd_transfer_name(uint32_t transfer);   /* "srgb", "linear", "bt709", "pq", ... */
@@ -301,7 +307,8 @@ int cmd_option_list(const cmd_verb *verb, const cmd_option **list,
                     size_t capacity); /* own, then common; returns the count */
 /* The verb of this name, with a space or a dash between two words. */
 const cmd_verb *cmd_find_verb(const char *name);
-/* The verb that the first one or two of count words name; the longer one wins. *used is the number of its words. NULL: none. */
+/* The verb that the first one or two of count words name; the longer one wins. *used is the number of its words. NULL:
+ * none. */
 const cmd_verb *cmd_match_verb(const char *const *words, size_t count, size_t *used);
 /* The name with a dash for its space: "make-zipmap". */
 #define CMD_VERB_NAME 32

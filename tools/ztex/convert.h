@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inside of `ztex convert`: verb_convert.c reads the wishes and copies textures and the rest; convert_plan.c says what
- * becomes of each image; convert_image.c does it.
+ * The inside of `ztex convert`: verb_convert.c reads the wishes and copies textures and the rest; convert_plan.c says
+ * what becomes of each image; convert_image.c does it.
  */
 #ifndef ZTEX_CONVERT_H
 #define ZTEX_CONVERT_H

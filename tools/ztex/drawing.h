@@ -13,8 +13,8 @@
 int drawing_is_one(const char *path);
 /* The module, or NULL with a printed message. */
 const vector_module *drawing_module(void);
-/* A drawing, for edges alone or to be looked at. Returns a cmd_status; on CMD_INVALID error has a text and nothing is printed, else the message is
- * printed. Close with (*module)->drawing_close. */
+/* A drawing, for edges alone or to be looked at. Returns a cmd_status; on CMD_INVALID error has a text and nothing is
+ * printed, else the message is printed. Close with (*module)->drawing_close. */
 int drawing_open(const cmd_args *args, const char *path, int edges, const vector_module **module, vector_drawing **out,
                  char *error);
 /* The drawing, `longer` pixels along its longer side, in linear light with alpha: four channels. The same results. */

@@ -26,8 +26,8 @@ typedef struct all_job {
 
 /* ---- names ---------------------------------------------------------------------------------------------- */
 
-/* A texture's name as the beginning of file names, without a dot, so that what follows one never meets another texture's. Names
- * that cannot stay as they are get the texture's number, behind a dot. */
+/* A texture's name as the beginning of file names, without a dot, so that what follows one never meets another
+ * texture's. Names that cannot stay as they are get the texture's number, behind a dot. */
 static void plain_name(char dst[STEM], const char *name, uint32_t index) {
     size_t at = 0;
     int same = *name != '\0';

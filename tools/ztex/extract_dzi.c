@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A texture as a Deep Zoom pyramid: NAME.dzi beside NAME_files/LEVEL/COLUMN_ROW.FORMAT, level 0 being one pixel. Levels that the texture's
- * image has in just this size are taken from it; the others, and all of textures of other kinds, are looked up.
+ * A texture as a Deep Zoom pyramid: NAME.dzi beside NAME_files/LEVEL/COLUMN_ROW.FORMAT, level 0 being one pixel. Levels
+ * that the texture's image has in just this size are taken from it; the others, and all of textures of other kinds, are
+ * looked up.
  */
 #include "extract.h"
 #include "pick.h"

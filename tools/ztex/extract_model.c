@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A level of umbrellas as glTF 2.0: each is a fan of triangles, in rings where it is curved; those of a base share a primitive with the
- * base's picture as material. Lengths are cells of level 0: x to the right, y up, z down in the texture.
+ * A level of umbrellas as glTF 2.0: each is a fan of triangles, in rings where it is curved; those of a base share a
+ * primitive with the base's picture as material. Lengths are cells of level 0: x to the right, y up, z down in the
+ * texture.
  */
 #include "elements.h"
 #include "extract.h"
@@ -59,7 +60,8 @@ static int reserve(part *p, size_t vertices, size_t indices) {
     return bad || p->vertex_count + vertices > UINT32_MAX ? -1 : 0;
 }
 
-/* The surface of section 6: a point of the flat polygon, less the centre, in cells of level 0, becomes a point and a normal in space. */
+/* The surface of section 6: a point of the flat polygon, less the centre, in cells of level 0, becomes a point and a
+ * normal in space. */
 static void bend(const element *e, double reach, const double q[2], double out[3], double normal[3]) {
     double k = e->curvature, c = e->height / k, from = hypot(q[0], q[1]);
     out[0] = q[0];
@@ -130,7 +132,8 @@ static int put_element(const model *m, part *p, uint32_t index) {
     for (size_t r = 1; r <= rings; r++)
         for (uint32_t i = 1; i <= count; i++)
             put_vertex(m, p, reach, raise, i, (double)r / (double)rings);
-    /* Seen from above, glTF's triangles turn the other way than the spec's; a mirrored umbrella's own turn as they do. */
+    /* Seen from above, glTF's triangles turn the other way than the spec's; a mirrored umbrella's own turn as they
+     * do. */
     for (size_t i = 0; i < count; i++) {
         size_t next = (i + 1) % count, a = first + 1 + (e->record->mirrored ? next : i);
         size_t b = first + 1 + (e->record->mirrored ? i : next);

@@ -10,8 +10,8 @@ typedef struct file_list {
     size_t count, capacity;
 } file_list;
 
-/* Appends the operands in their order; of a folder all *.ztex in it and below, sorted by bytes. Links to folders are not
- * followed. Prints messages. Returns a cmd_status. */
+/* Appends the operands in their order; of a folder all *.ztex in it and below, sorted by bytes. Links to folders are
+ * not followed. Prints messages. Returns a cmd_status. */
 int file_list_read(const cmd_args *args, file_list *list);
 void file_list_free(file_list *list);
 

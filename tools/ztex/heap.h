@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inside of `ztex make zipmap`: photographs are opened (heap_photos.c), registered by the authoring library, and become a scene
- * (heap_scene.c), the same JSON that people write by hand. What makes scenes into files makes this one too.
+ * The inside of `ztex make zipmap`: photographs are opened (heap_photos.c), registered by the authoring library, and
+ * become a scene (heap_scene.c), the same JSON that people write by hand. What makes scenes into files makes this one
+ * too.
  */
 #ifndef ZTEX_HEAP_H
 #define ZTEX_HEAP_H

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A heap of photographs: their sizes, their names, their texels for the registration, and the maps that go with them. */
+/* A heap of photographs: their sizes, their names, their texels for the registration, and the maps that go with
+ * them. */
 #include "heap.h"
 
 #include <dirent.h>

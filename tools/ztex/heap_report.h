@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The report of `ztex make zipmap`: what was found (heap.h), what the file that was made shows along its seams (heap_seams.c), and
- * pictures of it (heap_look.c), as JSON (report_json.c) or as a page (report_html.c).
+ * The report of `ztex make zipmap`: what was found (heap.h), what the file that was made shows along its seams
+ * (heap_seams.c), and pictures of it (heap_look.c), as JSON (report_json.c) or as a page (report_html.c).
  */
 #ifndef ZTEX_HEAP_REPORT_H
 #define ZTEX_HEAP_REPORT_H
 
 #include "heap.h"
 
-/* Differences between a patch and its parent along the seam, of sRGB-coded values, full range being 255: between the mean colours of both
- * in squares of HEAP_LOWPASS texels of the parent through which the seam goes. A texel counts by how much the patch covers there. */
+/* Differences between a patch and its parent along the seam, of sRGB-coded values, full range being 255: between the
+ * mean colours of both in squares of HEAP_LOWPASS texels of the parent through which the seam goes. A texel counts by
+ * how much the patch covers there. */
 #define HEAP_LOWPASS 8
 typedef struct heap_steps {
     double median, high, worst; /* along the seam; high: 95 of 100 places are below */

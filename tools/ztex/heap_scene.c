@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What was found in a heap of photographs, as a scene: patches with their parents and matrices, ready to be edited by hand. */
+/* What was found in a heap of photographs, as a scene: patches with their parents and matrices, ready to be edited by
+ * hand. */
 #include "heap.h"
 
 #include <math.h>

@@ -183,8 +183,9 @@ typedef struct sum {
 
 /* A square of the patch that the seam goes through. */
 typedef struct place {
-    sum around; /* by a window that begins and ends softly, twice as wide: hard ones would count edges that are not equally sharp */
-    sum seam; /* the square itself, by how much of both is seen */
+    sum around; /* by a window that begins and ends softly, twice as wide: hard ones would count edges that are not
+                   equally sharp */
+    sum seam;   /* the square itself, by how much of both is seen */
 } place;
 
 typedef struct gathering {
@@ -204,8 +205,8 @@ static double coded(double light) {
     return 255.0 * (double)zt_transfer_encode(13, (float)light);
 }
 
-/* Between the means of both, less `changes` times what the parent's would differ by if it were moved a little, in the channel in which it
- * is largest. */
+/* Between the means of both, less `changes` times what the parent's would differ by if it were moved a little, in the
+ * channel in which it is largest. */
 static double step_of(const sum *at, double changes) {
     double worst = 0.0, n = at->weight > 0.0 ? at->weight : 1.0;
     for (int c = 0; c < 3; c++) {
@@ -371,7 +372,8 @@ static int measure(const heap_report *report, heap_seam *seam, const side *befor
     return CMD_OK;
 }
 
-/* The colours are those of the opaque patch: a half covered texel of a coarser level has only those of what it covers. */
+/* The colours are those of the opaque patch: a half covered texel of a coarser level has only those of what it
+ * covers. */
 static int measure_seam(const heap_report *report, heap_seam *seam) {
     side before = {0}, plain = {0}, after = {0};
     heap_flat coverage = {0};

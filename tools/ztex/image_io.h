@@ -3,9 +3,9 @@
  * Pictures in and out, in C. image_io.cpp behind it is the only place that sees OpenImageIO.
  *
  * Every function that can fail takes a buffer `error` (IMG_ERROR bytes) that gets one line of text, without the path.
- * Rows are interleaved, top down, tight unless a pitch says otherwise. Alpha is never multiplied into the colours on the way:
- * img_info.alpha says what the texels are. Integer texels are always straight; half and float ones may be premultiplied
- * (OpenEXR). Nothing here prints. Readers and writers are for one thread each.
+ * Rows are interleaved, top down, tight unless a pitch says otherwise. Alpha is never multiplied into the colours on
+ * the way: img_info.alpha says what the texels are. Integer texels are always straight; half and float ones may be
+ * premultiplied (OpenEXR). Nothing here prints. Readers and writers are for one thread each.
  */
 #ifndef ZTEX_IMAGE_IO_H
 #define ZTEX_IMAGE_IO_H
@@ -67,13 +67,14 @@ typedef struct img_info {
 
 typedef struct img_reader img_reader;
 
-/* options may be NULL. Returns NULL on failure. Files are never fetched from a network or searched for in a path list. */
+/* options may be NULL. Returns NULL on failure. Files are never fetched from a network or searched for in a path
+ * list. */
 img_reader *img_open(const char *path, const img_open_options *options, char *error);
 const img_info *img_get_info(const img_reader *reader); /* lives until img_close */
 
-/* Reads rows y to y + count of slice z, converted to type (IMG_NATIVE: img_info.type), pitch bytes apart (0: tight). channels: how many
- * of the first channels (0: all). Rows in ascending order are cheap; going back may start the file over. Integers are scaled to their
- * full range and clamped. Returns 0, or -1 with error. */
+/* Reads rows y to y + count of slice z, converted to type (IMG_NATIVE: img_info.type), pitch bytes apart (0: tight).
+ * channels: how many of the first channels (0: all). Rows in ascending order are cheap; going back may start the file
+ * over. Integers are scaled to their full range and clamped. Returns 0, or -1 with error. */
 int img_read_rows(img_reader *reader, uint32_t z, uint32_t y, uint32_t count, uint32_t channels, img_type type,
                   void *dst, size_t pitch, char *error);
 void img_close(img_reader *reader); /* NULL is allowed */
@@ -100,15 +101,17 @@ typedef struct img_create_options {
 
 typedef struct img_writer img_writer;
 
-/* Opens a temporary file beside path; for "-" (format needed) one that img_finish copies to standard output. What was at path stays
- * until img_finish. Refuses, with a text that says what would do, a format that cannot hold the channels or the alpha. */
+/* Opens a temporary file beside path; for "-" (format needed) one that img_finish copies to standard output. What was
+ * at path stays until img_finish. Refuses, with a text that says what would do, a format that cannot hold the channels
+ * or the alpha. */
 img_writer *img_create(const char *path, const img_create_options *options, char *error);
 img_type img_writer_type(const img_writer *writer); /* what the file really gets: JPEG has only IMG_U8 */
 
 /* The next count rows, of the given type, converted to the file's. Returns 0, or -1 with error. */
 int img_write_rows(img_writer *writer, uint32_t count, img_type type, const void *src, size_t pitch, char *error);
 
-/* Closes, puts the file in place and frees the writer, also on failure. Every row must be there. 0, or -1 with error: no trace. */
+/* Closes, puts the file in place and frees the writer, also on failure. Every row must be there. 0, or -1 with error:
+ * no trace. */
 int img_finish(img_writer *writer, char *error);
 void img_discard(img_writer *writer); /* leaves no trace and frees. NULL is allowed */
 
@@ -116,7 +119,8 @@ void img_discard(img_writer *writer); /* leaves no trace and frees. NULL is allo
 int img_write(const char *path, const img_create_options *options, img_type type, const void *src, size_t pitch,
               char *error);
 
-/* Is this a name that img_create knows ("png", ".exr", "picture.tif")? The i-th extension that can be written, NULL behind the last. */
+/* Is this a name that img_create knows ("png", ".exr", "picture.tif")? The i-th extension that can be written, NULL
+ * behind the last. */
 int img_can_write(const char *name);
 const char *img_extension(uint32_t i);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures are a module of the command, loaded when the first one is opened: OpenImageIO brings some 250 shared libraries,
- * and loading them would take most of the time of `ztex inspect`. image_load.c gives the functions of image_io.h to the command by
- * calling these.
+ * Pictures are a module of the command, loaded when the first one is opened: OpenImageIO brings some 250 shared
+ * libraries, and loading them would take most of the time of `ztex inspect`. image_load.c gives the functions of
+ * image_io.h to the command by calling these.
  */
 #ifndef ZTEX_IMAGE_MODULE_H
 #define ZTEX_IMAGE_MODULE_H

@@ -63,7 +63,8 @@ const char *ins_filter_name(zt_silmap_filter filter) {
 
 /* A cell is cut by its own two arms, or by the first of its neighbours to the east and to the south. */
 static int is_cut(const zt_silmap_info *info, const uint8_t *cells, uint32_t x, uint32_t y) {
-    /* Beyond the last column and row are the first ones: where the texture does not repeat they have nothing cut there. */
+    /* Beyond the last column and row are the first ones: where the texture does not repeat they have nothing cut
+     * there. */
     size_t east = (size_t)y * info->cells_x + (x + 1) % info->cells_x;
     size_t south = (size_t)((y + 1) % info->cells_y) * info->cells_x + x;
     return (cells[(size_t)y * info->cells_x + x] & (ZT_SILMAP_WEST | ZT_SILMAP_NORTH)) ||

@@ -15,12 +15,13 @@ typedef struct light_rows {
     unsigned char *band;
 } light_rows;
 
-/* The first so many channels of the reader's picture, read as IMG_U8, IMG_U16 or IMG_FLOAT. The transfer is a known one. 0, or -1: no
- * memory; to be closed in any case. */
+/* The first so many channels of the reader's picture, read as IMG_U8, IMG_U16 or IMG_FLOAT. The transfer is a known
+ * one. 0, or -1: no memory; to be closed in any case. */
 int light_rows_open(light_rows *rows, img_reader *reader, uint32_t channels, uint32_t transfer, img_type type);
 void light_rows_close(light_rows *rows); /* all zero is allowed; the reader stays open */
 
-/* Calls back for each row, from the top; first is the number of its first value. 0, or -1 with error (IMG_ERROR bytes). */
+/* Calls back for each row, from the top; first is the number of its first value. 0, or -1 with error (IMG_ERROR
+ * bytes). */
 int light_rows_each(const light_rows *rows, void (*row)(void *user, uint32_t y, size_t first), void *user, char *error);
 
 /* Within a call back: a value of the row as it is coded, integers from 0 to 1. */

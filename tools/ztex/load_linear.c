@@ -9,8 +9,8 @@
 
 enum { LINEAR = 8, SRGB = 13 };
 
-/* Where a source pixel's stretch falls in the reduced picture: the first cell, and how much of the pixel lies in each of the cells. A
- * reduced cell is never smaller than a pixel, so there are at most two. */
+/* Where a source pixel's stretch falls in the reduced picture: the first cell, and how much of the pixel lies in each
+ * of the cells. A reduced cell is never smaller than a pixel, so there are at most two. */
 typedef struct share {
     uint32_t cell;
     float first, second;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inside of `ztex make`: a scene, read from JSON (scene.c) or built from the command line (verb_make.c), is placed (place.c) and
- * stored (store.c, store_image.c, store_rows.c). Patches whose pictures are worked on first, in memory, pass through store_treat.c.
+ * The inside of `ztex make`: a scene, read from JSON (scene.c) or built from the command line (verb_make.c), is placed
+ * (place.c) and stored (store.c, store_image.c, store_rows.c). Patches whose pictures are worked on first, in memory,
+ * pass through store_treat.c.
  */
 #ifndef ZTEX_MAKE_H
 #define ZTEX_MAKE_H
@@ -53,7 +54,8 @@ typedef enum make_place {
 /* How a patch's colours follow those of what lies beneath it: author_adjust.h. */
 typedef enum make_colour { COLOUR_NONE = 0, COLOUR_GAIN = 1, COLOUR_POISSON = 2 } make_colour;
 
-/* What normals of a patch are: their y as in OpenGL or as in Direct3D, in the patch's own frame; or in the root's frame already. */
+/* What normals of a patch are: their y as in OpenGL or as in Direct3D, in the patch's own frame; or in the root's frame
+ * already. */
 typedef enum make_normals { NORMALS_Y_UP = 0, NORMALS_Y_DOWN = 1, NORMALS_KEEP = 2 } make_normals;
 
 typedef struct make_patch {
@@ -115,7 +117,8 @@ void make_scene_release(make_scene *scene);
 /* "SCENE: POINTER: text" as an error; on the command line "text". Returns CMD_USAGE. */
 int make_complain(const make_scene *scene, const char *pointer, const char *format, ...) CMD_PRINTF(3, 4);
 
-/* scene_image.c: the one file of image may be a pattern, "walk_%03d.png": then its files are those numbered from 0 or 1 on. */
+/* scene_image.c: the one file of image may be a pattern, "walk_%03d.png": then its files are those numbered from 0 or 1
+ * on. */
 int make_number_files(make_scene *scene, make_image *image);
 
 /* scene.c: fills the scene from the text of a scene file. name and defaults are set before. Prints its messages. */
@@ -202,14 +205,16 @@ uint32_t make_usual_format(img_type type, int channels, int srgb);
 /* NULL on failure, with error. resized 0: the header alone will do. */
 img_reader *make_open_picture(const make_store *store, const make_image *image, size_t file, uint32_t semantic,
                               int resized, char *error);
-/* The mask, at the size of the picture that it belongs to, which is layer number index. A mask of one file is that of all layers. */
+/* The mask, at the size of the picture that it belongs to, which is layer number index. A mask of one file is that of
+ * all layers. */
 img_reader *make_open_mask(const make_store *store, const make_image *mask, size_t index, uint32_t width,
                            uint32_t height, char *error);
 int make_fail_picture(const make_store *store, const make_image *image, const char *path, const char *error);
 
 /* Stores an image, unless the same one is there. *out is valid until the next call. */
 int make_store_image(make_store *store, const make_image *image, const make_use *use, make_stored *out);
-/* Has the stored form of this image a coverage channel, that is: ROLE_COVERED, or does it want ROLE_BARE and ROLE_MASK? */
+/* Has the stored form of this image a coverage channel, that is: ROLE_COVERED, or does it want ROLE_BARE and
+ * ROLE_MASK? */
 int make_wants_mask(make_store *store, const make_image *image, const make_use *use, int *mask);
 void make_store_release(make_store *store);
 
@@ -248,7 +253,8 @@ typedef struct make_size {
     uint32_t width, height;
 } make_size;
 
-/* store.c: everything into one file. What is known of a patch when it is stored; later patches may have it as their parent. */
+/* store.c: everything into one file. What is known of a patch when it is stored; later patches may have it as their
+ * parent. */
 typedef struct make_placed {
     make_parent self;
     make_crop crop;
@@ -257,15 +263,17 @@ typedef struct make_placed {
     uint32_t frames; /* of the root: its array layers */
 } make_placed;
 
-/* The turn for a layer of a patch, or NULL: it is the root's, has no normals, or they are right as they are. frame: from the patch's
- * coordinates to those of the picture that is stored; NULL: it is the patch's. */
+/* The turn for a layer of a patch, or NULL: it is the root's, has no normals, or they are right as they are. frame:
+ * from the patch's coordinates to those of the picture that is stored; NULL: it is the patch's. */
 const make_turn *make_turn_for(const make_texture *texture, uint32_t index, uint32_t layer, const make_placed *all,
                                const double *frame, make_turn *room);
 
-/* The first layer carries the coverage, in its alpha or in a mask image beside it. use: semantic, wrap and ready are given. */
+/* The first layer carries the coverage, in its alpha or in a mask image beside it. use: semantic, wrap and ready are
+ * given. */
 int make_store_coverage(make_store *store, const make_patch *patch, make_use *use, make_placed *p, make_stored *stored);
 
-/* store_load.c: all of a picture in memory, in linear light, alpha (if it has one) as its last channel, not multiplied in. */
+/* store_load.c: all of a picture in memory, in linear light, alpha (if it has one) as its last channel, not multiplied
+ * in. */
 int make_load_picture(make_store *store, const make_image *image, uint32_t semantic, author_picture *out,
                       img_info *info);
 
@@ -277,13 +285,15 @@ int make_treat_begin(make_store *store, const make_texture *texture, make_treatm
 int make_treats(const make_treatment *t, uint32_t index); /* t may be NULL */
 /* Loads the patch's pictures and says how large it is, so that it can be placed. */
 int make_treat_load(make_treatment *t, uint32_t index, make_stored *size);
-/* Works on what has been loaded, and stores it, unless that has to wait for make_treat_finish. all: patches up to this one are placed. */
+/* Works on what has been loaded, and stores it, unless that has to wait for make_treat_finish. all: patches up to this
+ * one are placed. */
 int make_treat_patch(make_treatment *t, uint32_t index, make_placed *all);
 /* What depends on all patches. patches: their matrices follow baked frames. */
 int make_treat_finish(make_treatment *t, make_placed *all, zt_patch_desc *patches);
 void make_treat_end(make_treatment *t); /* NULL is allowed */
 
-/* store.c: a texture for the writer; layers is its memory. images: one for each layer, or NULL where a payload names them. */
+/* store.c: a texture for the writer; layers is its memory. images: one for each layer, or NULL where a payload names
+ * them. */
 zt_texture_desc make_describe(const make_texture *texture, const uint32_t *images, zt_layer_desc layers[MAKE_LAYERS]);
 /* The first count textures of the scene into the writer. sizes has room for all of the scene. */
 int make_store_textures(make_store *store, uint32_t count, make_size *sizes);

@@ -76,7 +76,8 @@ int make_copy_authorship(make_scene *scene, const char *path);
 int make_read_layer(const cmd_args *args, const char *word, uint32_t count, uint32_t *semantic, const char **path);
 /* --name, or the name of the picture at path without folder and extension; "" when the format does not allow it. */
 const char *make_texture_name(const cmd_args *args, make_scene *scene, const char *path);
-/* make_file.c: stores the scene. What it names are originals, which neither the output nor the report (NULL: there is none) may replace. */
+/* make_file.c: stores the scene. What it names are originals, which neither the output nor the report (NULL: there is
+ * none) may replace. */
 int make_file_of(cmd_args *args, const make_scene *scene, const char *output, const char *report);
 
 #endif

@@ -14,8 +14,8 @@ typedef struct make_stages {
     char label[64];
 } make_stages;
 
-/* How the library works for this verb: --threads, progress, interruption. stages lives as long as the run; make_stages_end
- * clears its line. */
+/* How the library works for this verb: --threads, progress, interruption. stages lives as long as the run;
+ * make_stages_end clears its line. */
 author_run make_author_run(cmd_args *args, make_stages *stages);
 void make_stages_end(make_stages *stages);
 

@@ -12,13 +12,14 @@ int pick_texture(const cmd_input *input, const char *text, uint32_t *texture);
 /* The layer that SEMANTIC or INDEX says; NULL: layer 0. */
 int pick_layer(const cmd_input *input, uint32_t texture, const char *text, uint32_t *layer);
 
-/* What a layer of a texture would be as one image: its image or, for umbrellas, an image that is as fine as their pictures in the mean.
- * *number (may be NULL) gets the image's number or ZT_NONE, *semantic what the layer means. 0, or -1. */
+/* What a layer of a texture would be as one image: its image or, for umbrellas, an image that is as fine as their
+ * pictures in the mean. *number (may be NULL) gets the image's number or ZT_NONE, *semantic what the layer means. 0, or
+ * -1. */
 int pick_image_of(const zt_file *file, uint32_t texture, uint32_t layer, uint32_t *number, uint32_t *semantic,
                   zt_image_info *out);
 
-/* "x,y,w,h" and the like: exactly count finite numbers between commas. 0, or -1. *end (may be NULL) gets what follows, which
- * otherwise must be nothing. */
+/* "x,y,w,h" and the like: exactly count finite numbers between commas. 0, or -1. *end (may be NULL) gets what follows,
+ * which otherwise must be nothing. */
 int pick_numbers(const char *text, double *numbers, size_t count, const char **end);
 
 /* Unsigned decimal numbers, as pick_numbers, each at most UINT32_MAX. */

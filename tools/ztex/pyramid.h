@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures that are folders of tiles: Deep Zoom (NAME.dzi with NAME_files), Zoomify (ImageProperties.xml) and static folders of the IIIF
- * Image API (info.json). Behind image_io.h such a picture is like any other; only a row of its tiles is in memory at once.
+ * Pictures that are folders of tiles: Deep Zoom (NAME.dzi with NAME_files), Zoomify (ImageProperties.xml) and static
+ * folders of the IIIF Image API (info.json). Behind image_io.h such a picture is like any other; only a row of its
+ * tiles is in memory at once.
  *
- * Descriptors may be hostile: file names are made of checked numbers and words out of a list, sizes have limits. `error` has IMG_ERROR
- * bytes. Level 0 is the finest; level k is as large as the finest divided by 2^k, rounded up, or at some folders of Zoomify down.
+ * Descriptors may be hostile: file names are made of checked numbers and words out of a list, sizes have limits.
+ * `error` has IMG_ERROR bytes. Level 0 is the finest; level k is as large as the finest divided by 2^k, rounded up, or
+ * at some folders of Zoomify down.
  */
 #ifndef ZTEX_PYRAMID_H
 #define ZTEX_PYRAMID_H
@@ -66,8 +68,8 @@ int pyramid_take_folder(const char *path, pyramid_plan *plan, char *error);
 /* Tries extensions, and namings below the given number, until the file of the tile is there. */
 int pyramid_find_tile(pyramid_plan *plan, const pyramid_tile *tile, unsigned namings, char *error);
 
-/* Called for each element, depth 0 being the outermost; pairs are names and values of attributes, and a NULL. Returns NULL, or what is
- * wrong. */
+/* Called for each element, depth 0 being the outermost; pairs are names and values of attributes, and a NULL. Returns
+ * NULL, or what is wrong. */
 typedef const char *pyramid_visit(void *user, unsigned depth, const char *name, const char **pairs);
 int pyramid_parse_xml(const char *text, size_t size, pyramid_visit *visit, void *user, char *error);
 uint32_t pyramid_whole(const char *text); /* UINT32_MAX: no whole number, or too large */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Deep Zoom: NAME.dzi is a piece of XML, NAME_files/LEVEL/COLUMN_ROW.FORMAT are the tiles, the last level the finest. */
+/* Deep Zoom: NAME.dzi is a piece of XML, NAME_files/LEVEL/COLUMN_ROW.FORMAT are the tiles, the last level the
+ * finest. */
 #include "pyramid.h"
 
 #include <stdio.h>

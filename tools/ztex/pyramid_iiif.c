@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Static folders of the IIIF Image API, level 0, versions 1 to 3: info.json, and files REGION/SIZE/ROTATION/QUALITY.FORMAT beside it. How
- * a folder writes regions and sizes depends on the version and on who made it; the first tile tells.
+ * Static folders of the IIIF Image API, level 0, versions 1 to 3: info.json, and files
+ * REGION/SIZE/ROTATION/QUALITY.FORMAT beside it. How a folder writes regions and sizes depends on the version and on
+ * who made it; the first tile tells.
  */
 #include "pyramid.h"
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Zoomify: ImageProperties.xml, and TileGroupN/LEVEL-COLUMN-ROW.jpg beside it, level 0 being one tile. A group has 256 tiles, counted from the
- * coarsest level on. Programs do not agree on how odd sizes are halved; the number of all tiles and the coarsest one tell.
+ * Zoomify: ImageProperties.xml, and TileGroupN/LEVEL-COLUMN-ROW.jpg beside it, level 0 being one tile. A group has 256
+ * tiles, counted from the coarsest level on. Programs do not agree on how odd sizes are halved; the number of all tiles
+ * and the coarsest one tell.
  */
 #include "pyramid.h"
 

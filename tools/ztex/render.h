@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The inside of `ztex render`: views, that is rectangles of texture coordinates (view.c), become rows of texels
- * (render_rows.c), which go into pictures, one a view or all on one sheet (verb_render.c). With --3d a view is the ground that a camera
- * (camera.c) sees in perspective (render_space.c).
+ * (render_rows.c), which go into pictures, one a view or all on one sheet (verb_render.c). With --3d a view is the
+ * ground that a camera (camera.c) sees in perspective (render_space.c).
  */
 #ifndef ZTEX_RENDER_H
 #define ZTEX_RENDER_H
@@ -19,7 +19,8 @@ typedef struct render_view {
 int render_view_parse(const char *text, render_view *view, const char **end);
 /* "u0,v0,u1,v1;u0,v0,u1,v1" */
 int render_path_parse(const char *text, render_view path[2]);
-/* The view at t, 0 to 1, of a zoom: each step magnifies by the same factor, and what is in the last view moves straight. */
+/* The view at t, 0 to 1, of a zoom: each step magnifies by the same factor, and what is in the last view moves
+ * straight. */
 render_view render_path_at(const render_view path[2], double t);
 
 /* "WxH", "W", "Wx", "xH"; the missing one is 0. 0, or -1. */
@@ -58,7 +59,8 @@ typedef struct render_style {
     const render_space *space; /* NULL: the picture is the view itself */
 } render_style;
 
-/* space_args.c: what the command line says of --3d, and of light, which lookups in two dimensions know too. image: that of the layer. */
+/* space_args.c: what the command line says of --3d, and of light, which lookups in two dimensions know too. image: that
+ * of the layer. */
 int render_space_read(const cmd_args *args, const zt_file *file, uint32_t texture, const zt_image_info *image,
                       render_space *space);
 int render_light_read(const cmd_args *args, zt_sampler_options *how, render_space *space);
@@ -75,8 +77,8 @@ typedef struct render_scene {
 /* NULL, or what is wrong. */
 const char *render_scene_open(const render_style *style, const render_view *view, render_scene *out);
 
-/* Lookups at places of the picture, in pixels: four floats each, premultiplied linear light; zeros where there is nothing. step: pixels from one
- * to the next. */
+/* Lookups at places of the picture, in pixels: four floats each, premultiplied linear light; zeros where there is
+ * nothing. step: pixels from one to the next. */
 zt_result render_scene_sample(const render_scene *scene, const zt_sampler *sampler, const double (*places)[2],
                               size_t count, double step, float *out, zt_diag *diag);
 #define RENDER_BATCH 256 /* places at once, at most */

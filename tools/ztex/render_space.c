@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A texture in perspective: umbrellas in three dimensions, by rays through the prism over the ground, shaded by their normals; everything
- * else flat on the ground.
+ * A texture in perspective: umbrellas in three dimensions, by rays through the prism over the ground, shaded by their
+ * normals; everything else flat on the ground.
  */
 #include "render.h"
 

@@ -10,8 +10,8 @@ extern const char report_head[]; /* of a page, up to the end of its style */
 /* Text that came from outside. */
 void report_put(FILE *stream, const char *text);
 
-/* A picture of sRGB-coded values as a text "data:image/jpeg;base64,...", malloc'd; NULL with a printed message. It passes through a file
- * beside `beside`, since pictures are written by name. type: "jpeg" or "png". */
+/* A picture of sRGB-coded values as a text "data:image/jpeg;base64,...", malloc'd; NULL with a printed message. It
+ * passes through a file beside `beside`, since pictures are written by name. type: "jpeg" or "png". */
 char *report_picture(const cmd_args *args, const char *beside, const char *type, const float *rgb, uint32_t width,
                      uint32_t height);
 

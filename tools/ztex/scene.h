@@ -39,7 +39,8 @@ int scene_umbrellas(make_scene *scene, const json_t *value, const char *pointer,
                     make_texture *texture);
 int scene_image(make_scene *scene, const json_t *value, const char *pointer, const make_options *defaults,
                 const make_image **out);
-/* One more layer of a texture: the member of the object at pointer whose name is the layer's semantic. images are those of its layers. */
+/* One more layer of a texture: the member of the object at pointer whose name is the layer's semantic. images are those
+ * of its layers. */
 int scene_layer(make_scene *scene, const json_t *value, const char *pointer, const char *name,
                 const make_options *defaults, make_texture *texture, const make_image **images);
 

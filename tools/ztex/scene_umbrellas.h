@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Between the files that read umbrellas out of a scene. All return a cmd_status; members that are not there leave *out as it is. */
+/* Between the files that read umbrellas out of a scene. All return a cmd_status; members that are not there leave *out
+ * as it is. */
 #ifndef ZTEX_SCENE_UMBRELLAS_H
 #define ZTEX_SCENE_UMBRELLAS_H
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Silmaps in `ztex make`: a drawing, a picture or glyphs (silmap_source.c) are fitted by the authoring library and stored with
- * their other layers (silmap_store.c); silmap_report.c tells what could not be held. A silmap comes from a scene (scene_silmap.c) or
- * from the command line (verb_make_silmap.c).
+ * Silmaps in `ztex make`: a drawing, a picture or glyphs (silmap_source.c) are fitted by the authoring library and
+ * stored with their other layers (silmap_store.c); silmap_report.c tells what could not be held. A silmap comes from a
+ * scene (scene_silmap.c) or from the command line (verb_make_silmap.c).
  */
 #ifndef ZTEX_SILMAP_H
 #define ZTEX_SILMAP_H
@@ -38,8 +38,8 @@ typedef struct silmap_made {
     char not_flat[SILMAP_REASON]; /* why a drawing's are not; empty: it is no drawing */
 } silmap_made;
 
-/* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is the font.
- * Images of several files are frames of an animation, as many in each layer, or one. */
+/* How a texture of kind silmap is made. Its pictures are the texture's images; the first is fitted, and of glyphs it is
+ * the font. Images of several files are frames of an animation, as many in each layer, or one. */
 struct make_silmap {
     const char *text;  /* UTF-8; NULL: no glyphs */
     const char *edges; /* SVG with an artist's edges, or NULL */
@@ -85,7 +85,8 @@ int silmap_source_load(make_store *store, const make_texture *texture, const sil
 int silmap_source_hint(make_store *store, const make_texture *texture, const silmap_source *from, silmap_source *out);
 void silmap_source_release(silmap_source *source);
 
-/* silmap_layer.c: samples and minified image of a picture, at its place in cells that are there: the means over the quadrants. */
+/* silmap_layer.c: samples and minified image of a picture, at its place in cells that are there: the means over the
+ * quadrants. */
 author_result silmap_layer_fit(author_run *run, const author_picture *picture, const author_silmap_place *place,
                                const author_silmap_result *cells, author_picture *samples, author_picture *minified);
 

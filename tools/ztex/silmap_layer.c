@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Other layers of a silmap share its cells: a sample is the mean of what lies in the quadrants around it, never of what lies behind a cut. */
+/* Other layers of a silmap share its cells: a sample is the mean of what lies in the quadrants around it, never of what
+ * lies behind a cut. */
 #include "silmap.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The report of `ztex make silmap`: figures, and where the picture could not be held. silmap_report.schema.json describes the JSON. */
+/* The report of `ztex make silmap`: figures, and where the picture could not be held. silmap_report.schema.json
+ * describes the JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a silmap is fitted to: a drawing at 16 texels a cell or so, the outline of glyphs, or a picture as it is; and an artist's edges. */
+/* What a silmap is fitted to: a drawing at 16 texels a cell or so, the outline of glyphs, or a picture as it is; and an
+ * artist's edges. */
 #include "silmap.h"
 
 #include <math.h>
@@ -491,7 +492,8 @@ static int load_edges(loading *l) {
     l->vector->drawing_close(drawing);
     if (status != CMD_OK)
         return status;
-    /* Polygons alone would say what all regions are. Where edges of the picture count, too, a place without a line is put among them. */
+    /* Polygons alone would say what all regions are. Where edges of the picture count, too, a place without a line is
+     * put among them. */
     author_path *all = realloc(paths.paths, (paths.count + 1) * sizeof *all);
     l->out->paths = all ? all : paths.paths;
     l->out->points = paths.points;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A silmap into the writer, frame by frame: the fit, then samples and minified image of each layer; at last the cells. */
+/* A silmap into the writer, frame by frame: the fit, then samples and minified image of each layer; at last the
+ * cells. */
 #include "silmap.h"
 
 #include <stdlib.h>

@@ -103,7 +103,8 @@ static void note_size(make_placed *p, const make_patch *patch, const make_stored
     p->crop = (make_crop){patch->images[0]->crop, stored->full_width, stored->full_height};
 }
 
-/* How large a patch is, from the header of its picture: it is placed before it is stored, since normals turn with it. */
+/* How large a patch is, from the header of its picture: it is placed before it is stored, since normals turn with
+ * it. */
 static int measure(const make_store *store, const make_texture *texture, uint32_t index, make_placed *p) {
     const make_patch *patch = &texture->patches[index];
     const make_image *image = patch->images[0];

@@ -371,8 +371,8 @@ static img_reader *open_level(const picture_job *job, uint32_t level, char *erro
     return img_open(image->files[0].path, &options, error);
 }
 
-/* A picture may bring its coarser levels along. They are taken where they are all that are wanted and have the right sizes, unless something is
- * done to the picture, or a filter is named to make them with. */
+/* A picture may bring its coarser levels along. They are taken where they are all that are wanted and have the right
+ * sizes, unless something is done to the picture, or a filter is named to make them with. */
 static uint32_t own_levels(const picture_job *job, const img_info *info) {
     const make_image *image = job->image;
     char error[IMG_ERROR];

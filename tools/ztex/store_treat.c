@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Patches whose pictures are worked on between file and texture: colours that follow what lies beneath, the gradient density mask,
- * affine frames, pruning. The work is the authoring library's; here is who needs whose pictures, and until when.
+ * Patches whose pictures are worked on between file and texture: colours that follow what lies beneath, the gradient
+ * density mask, affine frames, pruning. The work is the authoring library's; here is who needs whose pictures, and
+ * until when.
  *
- * Patches come in drawing order. The colours of one follow the *adjusted* colours of its ancestors, so those are kept, in 16 bits a channel,
- * until the last patch that looks at them has been stored. Pruning needs the coverage of all later patches: it waits for the end.
+ * Patches come in drawing order. The colours of one follow the *adjusted* colours of its ancestors, so those are kept,
+ * in 16 bits a channel, until the last patch that looks at them has been stored. Pruning needs the coverage of all
+ * later patches: it waits for the end.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -267,7 +269,8 @@ int make_treat_load(make_treatment *t, uint32_t index, make_stored *size) {
 
 /* ---- colours -------------------------------------------------------------------------------------------------- */
 
-/* What of an ancestor's texels lies beneath the patch. 0 when nothing does. to_ancestor: the patch's coordinates to the ancestor's. */
+/* What of an ancestor's texels lies beneath the patch. 0 when nothing does. to_ancestor: the patch's coordinates to the
+ * ancestor's. */
 static int find_box(const double to_ancestor[9], const kept *k, uint32_t box[4]) {
     double low[2] = {0.0, 0.0}, high[2] = {k->width, k->height};
     for (int i = 0; i < 4; i++) {
@@ -583,7 +586,7 @@ int make_treat_patch(make_treatment *t, uint32_t index, make_placed *all) {
     return status;
 }
 
-/* ---- pruning ------------------------------------------------------------------------------------------------------ */
+/* ---- pruning ----------------------------------------------------------------------------------------------------- */
 
 static int take_all(make_treatment *t, const kept *k, author_picture *out) {
     const uint32_t box[4] = {0, 0, k->width, k->height};

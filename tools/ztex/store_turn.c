@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Normals of patches. A normal map gives directions in the frame of its own picture; all layers are blended in the root's. So the normals
- * of a patch that lies turned, mirrored or in perspective are turned with it. Slopes are gradients of a height: with K the derivative
- * of the root's texels by the patch's they become K^-T times themselves, and are as steep as before where K only turns and enlarges.
+ * Normals of patches. A normal map gives directions in the frame of its own picture; all layers are blended in the
+ * root's. So the normals of a patch that lies turned, mirrored or in perspective are turned with it. Slopes are
+ * gradients of a height: with K the derivative of the root's texels by the patch's they become K^-T times themselves,
+ * and are as steep as before where K only turns and enlarges.
  */
 #include "make.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Umbrella textures in `ztex make`: the member "umbrellas" of a texture (scene_umbrellas.c, scene_bases.c) becomes bases out of pictures
- * (umbrellas_bases.c), an arrangement, coarser levels fitted to what the finest one shows (umbrellas_truth.c), and chunks
- * (umbrellas_store.c). umbrellas_report.c tells how good the levels are.
+ * Umbrella textures in `ztex make`: the member "umbrellas" of a texture (scene_umbrellas.c, scene_bases.c) becomes
+ * bases out of pictures (umbrellas_bases.c), an arrangement, coarser levels fitted to what the finest one shows
+ * (umbrellas_truth.c), and chunks (umbrellas_store.c). umbrellas_report.c tells how good the levels are.
  */
 #ifndef ZTEX_UMBRELLAS_H
 #define ZTEX_UMBRELLAS_H
@@ -67,7 +67,8 @@ struct make_umbrellas {
     umbrellas_made *made; /* gets what was made; NULL: nobody asks */
 };
 
-/* umbrellas_bases.c: all bases of a texture; *out has base_count of them, malloc'd. sizes: of all textures of the scene. */
+/* umbrellas_bases.c: all bases of a texture; *out has base_count of them, malloc'd. sizes: of all textures of the
+ * scene. */
 int umbrellas_make_bases(make_store *store, const make_texture *texture, const make_size *sizes, author_run *run,
                          author_base **out);
 
@@ -81,7 +82,8 @@ typedef struct umbrellas_view {
 /* Premultiplied linear light, 4 channels. */
 int umbrellas_look(author_run *run, const zt_file *file, uint32_t texture, const umbrellas_view *view,
                    author_picture *out);
-/* Steps of a pixel that shows this level alone, an eighth of what its cell would be if every grid were halved exactly. */
+/* Steps of a pixel that shows this level alone, an eighth of what its cell would be if every grid were halved
+ * exactly. */
 void umbrellas_step(uint32_t grid_x, uint32_t grid_y, uint32_t level, double step[2]);
 
 /* umbrellas_store.c: the texture into the writer. */

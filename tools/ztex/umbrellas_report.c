@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The report of `ztex make umbrellas`: figures, and each level beside what it stands for. umbrellas_report.schema.json describes the JSON. */
+/* The report of `ztex make umbrellas`: figures, and each level beside what it stands for. umbrellas_report.schema.json
+ * describes the JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

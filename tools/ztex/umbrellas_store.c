@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Umbrellas into the writer: bases, arrangement, coarser levels. What level 0 shows is asked of a file in memory that has nothing else. */
+/* Umbrellas into the writer: bases, arrangement, coarser levels. What level 0 shows is asked of a file in memory that
+ * has nothing else. */
 #include "umbrellas.h"
 
 #include <stdlib.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Drawings, by librsvg and cairo. Paths are had by letting librsvg draw into cairo's SVG writer: what comes out are the paths alone, in
- * absolute coordinates, with rectangles, circles, references, groups and styles resolved. vector_svg.c reads just that.
+ * Drawings, by librsvg and cairo. Paths are had by letting librsvg draw into cairo's SVG writer: what comes out are the
+ * paths alone, in absolute coordinates, with rectangles, circles, references, groups and styles resolved. vector_svg.c
+ * reads just that.
  */
 #include "vector_module.h"
 
@@ -198,7 +199,8 @@ static int write_svg(const vector_drawing *drawing, const double size[2], text_s
     return bad;
 }
 
-/* At most. librsvg scales letters twice, so on a small page they soon are too large; and when that has happened once, they stay broken. */
+/* At most. librsvg scales letters twice, so on a small page they soon are too large; and when that has happened once,
+ * they stay broken. */
 static void page_size(const vector_drawing *drawing, double longer, double size[2]) {
     double side = drawing->width > drawing->height ? drawing->width : drawing->height;
     if (drawing->letters)

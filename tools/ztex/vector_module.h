@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Drawings and fonts are a module of the command, loaded when the first one is wanted: librsvg and what it brings take longer to load
- * than most verbs take to run. Data come as memory; nothing else is read, neither files nor a network. A drawing's texts
- * are set in the fonts of the machine.
+ * Drawings and fonts are a module of the command, loaded when the first one is wanted: librsvg and what it brings take
+ * longer to load than most verbs take to run. Data come as memory; nothing else is read, neither files nor a network. A
+ * drawing's texts are set in the fonts of the machine.
  *
- * The functions return 0, or -1 with one line in error (VECTOR_ERROR bytes), without the file's name. Handles are for one
- * thread each.
+ * The functions return 0, or -1 with one line in error (VECTOR_ERROR bytes), without the file's name. Handles are for
+ * one thread each.
  */
 #ifndef ZTEX_VECTOR_MODULE_H
 #define ZTEX_VECTOR_MODULE_H
@@ -25,7 +25,8 @@ typedef struct vector_paths {
     double *points; /* of all paths, one behind the other */
 } vector_paths;
 
-/* What is painted, in its order; colours are sRGB-coded red, green and blue. Release: free() of points, paths and shapes. */
+/* What is painted, in its order; colours are sRGB-coded red, green and blue. Release: free() of points, paths and
+ * shapes. */
 typedef struct vector_shapes {
     vector_paths paths;
     author_silmap_shape *shapes;
@@ -48,11 +49,12 @@ typedef struct vector_module {
     void (*drawing_place)(vector_drawing *drawing, const author_silmap_place *place);
     /* Into width x height pixels, premultiplied and sRGB-coded, four bytes r, g, b, a each. */
     int (*drawing_render)(const vector_drawing *drawing, uint32_t width, uint32_t height, uint8_t *rgba, char *error);
-    /* Every path that is drawn, filled or stroked: its own line, not the outline of the stroke. Curves become chains that are off by at
-     * most tolerance (of the unit square). */
+    /* Every path that is drawn, filled or stroked: its own line, not the outline of the stroke. Curves become chains
+     * that are off by at most tolerance (of the unit square). */
     int (*drawing_paths)(const vector_drawing *drawing, double tolerance, vector_paths *out, char *error);
-    /* The drawing as areas of one colour each, strokes and all; tolerance as above. It has been drawn from them and looks the same. Also VECTOR_NOT_FLAT: that
-     * cannot be done, and error says what is in the way, as in "it has a gradient". */
+    /* The drawing as areas of one colour each, strokes and all; tolerance as above. It has been drawn from them and
+     * looks the same. Also VECTOR_NOT_FLAT: that cannot be done, and error says what is in the way, as in "it has a
+     * gradient". */
     int (*drawing_shapes)(const vector_drawing *drawing, double tolerance, vector_shapes *out, char *error);
     void (*drawing_close)(vector_drawing *drawing); /* NULL is allowed */
 
@@ -70,8 +72,8 @@ typedef struct vector_module {
 #define VECTOR_MODULE_FILE "ztex-vector.so"
 #define VECTOR_MODULE_SYMBOL "ztex_vector_module"
 
-/* vector_path.c, for the two halves of the module: paths as they come, curve by curve. A failure (no memory, too many points, a number
- * that is not finite) is remembered. */
+/* vector_path.c, for the two halves of the module: paths as they come, curve by curve. A failure (no memory, too many
+ * points, a number that is not finite) is remembered. */
 typedef struct vector_pen {
     vector_paths paths;
     size_t path_room, point_count, point_room;

@@ -76,8 +76,8 @@ void vector_pen_line(vector_pen *pen, double x, double y) {
         put(pen, x, y, 0);
 }
 
-/* So many pieces that each is off by at most the tolerance: the error of a piece of a cubic is at most its second difference times 3/4 of
- * the step's square. */
+/* So many pieces that each is off by at most the tolerance: the error of a piece of a cubic is at most its second
+ * difference times 3/4 of the step's square. */
 static int pieces_of(const vector_pen *pen, const double c[6]) {
     const double *m = pen->matrix;
     double scale = fmax(hypot(m[0], m[1]), hypot(m[2], m[3]));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The outline of a stroke: a rectangle for each segment, a wedge for each join and each cap, all wound the same way. Where they lie over each
- * other they wind more often, so what they wind at all is the stroke, without anything to be cut.
+ * The outline of a stroke: a rectangle for each segment, a wedge for each join and each cap, all wound the same way.
+ * Where they lie over each other they wind more often, so what they wind at all is the stroke, without anything to be
+ * cut.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads what cairo's SVG writer has written, and no other SVG: groups that do nothing but clip, paths and rectangles with their colours, and above them
- * definitions. Numbers are absolute, names are the writer's own.
+ * Reads what cairo's SVG writer has written, and no other SVG: groups that do nothing but clip, paths and rectangles
+ * with their colours, and above them definitions. Numbers are absolute, names are the writer's own.
  */
 #include <math.h>
 #include <stdio.h>

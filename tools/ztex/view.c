@@ -25,8 +25,8 @@ int render_path_parse(const char *text, render_view path[2]) {
     return (a->u1 - a->u0) * (b->u1 - b->u0) > 0.0 && (a->v1 - a->v0) * (b->v1 - b->v0) > 0.0 ? 0 : -1;
 }
 
-/* One axis. Sizes follow a geometric series; the share of the way is that of the shrinking, so that both edges, and with
- * them every point of the last view, move in step with the magnification instead of running ahead of it. */
+/* One axis. Sizes follow a geometric series; the share of the way is that of the shrinking, so that both edges, and
+ * with them every point of the last view, move in step with the magnification instead of running ahead of it. */
 static void interpolate(double a0, double a1, double b0, double b1, double t, double *c0, double *c1) {
     double from = a1 - a0, to = b1 - b0;
     double share = t, ratio = to / from;

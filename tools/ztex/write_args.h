@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Options that all verbs have that make texture files with --effort: rows for their tables, and what the words behind them become. */
+/* Options that all verbs have that make texture files with --effort: rows for their tables, and what the words behind
+ * them become. */
 #ifndef ZTEX_WRITE_ARGS_H
 #define ZTEX_WRITE_ARGS_H
 

@@ -43,8 +43,8 @@
  *   until zt_close(). Memory that the caller hands in stays the caller's.
  * - Option and info structs. All-zero options, or NULL, mean the defaults.
  * - Units. Sizes and pitches count bytes, dimensions texels, indices from 0. Texture coordinates run from 0 to 1, u to
- *   the right, v down, (0, 0) being the outer corner of the first texel. Matrices are row-major. Texels are little-endian
- *   on every machine.
+ *   the right, v down, (0, 0) being the outer corner of the first texel. Matrices are row-major. Texels are
+ *   little-endian on every machine.
  * - Untrusted files. Every function may be given any bytes. zt_limits apply before memory is allocated.
  * Rule numbers, chunks and fields are those of spec/ztex.md, zipmap.md, silmap.md and umbrella.md.
  */
@@ -316,15 +316,16 @@ typedef struct zt_silmap_info {
     uint32_t cells_x, cells_y;
     uint32_t cell_layers; /* 1, or the array layers of the sample images */
     zt_silmap_filter filter;
-    /* cells_x x cells_y x cell_layers bytes, row by row from the top, layer after layer: what a GPU texture of format R8_UINT
-     * wants. Lives until zt_close. */
+    /* cells_x x cells_y x cell_layers bytes, row by row from the top, layer after layer: what a GPU texture of format
+     * R8_UINT wants. Lives until zt_close. */
     const uint8_t *cells;
 } zt_silmap_info;
 
 /* Errors: ZT_BAD_ARGUMENT (also for other kinds). */
 ZT_API zt_result zt_get_silmap(const zt_file *file, uint32_t texture, zt_silmap_info *out);
 
-/* The minified image of a silmap's layer, or ZT_NONE (out of range, another kind, or there is none). zt_get_layer gives the sample image. */
+/* The minified image of a silmap's layer, or ZT_NONE (out of range, another kind, or there is none). zt_get_layer gives
+ * the sample image. */
 ZT_API uint32_t zt_get_silmap_minified(const zt_file *file, uint32_t texture, uint32_t layer);
 
 /* A cell byte: the point is ((x + 1/2) / 8, (y + 1/2) / 8) */
@@ -339,8 +340,8 @@ typedef struct zt_silmap_cell {
     uint8_t own, west, north, east, south;
 } zt_silmap_cell;
 
-/* Cell (x, y), in range, of a layer of cells_x x cells_y bytes. Where the texture does not repeat, the bytes of the neighbours that are missing, and the cell's own
- * bits for them, are what silmap.md section 3 says. */
+/* Cell (x, y), in range, of a layer of cells_x x cells_y bytes. Where the texture does not repeat, the bytes of the
+ * neighbours that are missing, and the cell's own bits for them, are what silmap.md section 3 says. */
 ZT_API void zt_silmap_cell_at(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, int repeat_x, int repeat_y,
                               uint32_t x, uint32_t y, zt_silmap_cell *out);
 
@@ -350,14 +351,15 @@ enum { ZT_SILMAP_00 = 0, ZT_SILMAP_10 = 1, ZT_SILMAP_01 = 2, ZT_SILMAP_11 = 3 };
 /* The quadrant of a point of the cell, x and y 0 to 1 (silmap.md section 4). */
 ZT_API int zt_silmap_quadrant(const zt_silmap_cell *cell, double x, double y);
 
-/* The weights of the four corners at a point for a quadrant, usually its own (section 5). They sum to 1. For ZT_SILMAP_SEN2004 they
- * may be below 0 or above 1: then the caller brings each channel into the range of the corners in the set that is returned (bit
- * k: corner k); 0 when there is nothing to do. Not finite or outside of 0 to 1: undefined weights, nothing worse. */
+/* The weights of the four corners at a point for a quadrant, usually its own (section 5). They sum to 1. For
+ * ZT_SILMAP_SEN2004 they may be below 0 or above 1: then the caller brings each channel into the range of the corners
+ * in the set that is returned (bit k: corner k); 0 when there is nothing to do. Not finite or outside of 0 to 1:
+ * undefined weights, nothing worse. */
 ZT_API unsigned zt_silmap_weights(zt_silmap_filter filter, const zt_silmap_cell *cell, int quadrant, double x, double y,
                                   double weights[4]);
 
-/* A cell prepared for many questions: its point and its neighbours', in its own coordinates, and which of its arms are cut. The answers are those
- * of the two functions above. */
+/* A cell prepared for many questions: its point and its neighbours', in its own coordinates, and which of its arms are
+ * cut. The answers are those of the two functions above. */
 enum { ZT_SILMAP_CUT_NORTH = 1, ZT_SILMAP_CUT_EAST = 2, ZT_SILMAP_CUT_SOUTH = 4, ZT_SILMAP_CUT_WEST = 8 };
 typedef struct zt_silmap_shape {
     double px, py, wx, wy, nx, ny, ex, ey, sx, sy;
@@ -371,7 +373,8 @@ ZT_API unsigned zt_silmap_shape_weights(zt_silmap_filter filter, const zt_silmap
 /* The areas of the four quadrants (section 7); they sum to 1. */
 ZT_API void zt_silmap_areas(const zt_silmap_cell *cell, double areas[4]);
 
-/* Umbrellas (umbrella.md). The structs hold the file's own integers, exact, in 4-byte words: each array can be a storage buffer of a GPU as it is. */
+/* Umbrellas (umbrella.md). The structs hold the file's own integers, exact, in 4-byte words: each array can be a
+ * storage buffer of a GPU as it is. */
 
 typedef enum zt_umbrella_colour_mode {
     ZT_UMBRELLA_BARYCENTRIC = 0,
@@ -407,7 +410,8 @@ typedef struct zt_umbrella_offset {
     int32_t x, y;
 } zt_umbrella_offset;
 
-/* A colour offset, each channel the i8 q of q |q| / 127^2 as its two's complement; form 2: a colour, each channel the u8 q of (q / 255)^2. */
+/* A colour offset, each channel the i8 q of q |q| / 127^2 as its two's complement; form 2: a colour, each channel the
+ * u8 q of (q / 255)^2. */
 typedef struct zt_umbrella_colour {
     uint8_t r, g, b, reserved;
 } zt_umbrella_colour;
@@ -447,7 +451,8 @@ typedef struct zt_umbrella_level {
     uint32_t bits;       /* explicit vertices are in 2^-bits of a cell */
 } zt_umbrella_level;
 
-/* An entry of a cell's list: the umbrella's number within its level, and how the whole grid is shifted: (sx + 1) + 3 (sy + 1). */
+/* An entry of a cell's list: the umbrella's number within its level, and how the whole grid is shifted: (sx + 1) + 3
+ * (sy + 1). */
 #define ZT_UMBRELLA_ENTRY UINT32_C(0x00FFFFFF)
 #define ZT_UMBRELLA_SHIFT 24 /* bits to the right */
 
@@ -483,9 +488,10 @@ typedef struct zt_umbrella_sector {
     double coverage; /* 0 to 1 */
 } zt_umbrella_sector;
 
-/* Sector, coverage and barycentric coordinates (umbrella.md section 3, steps 1 to 3) of the point (x, y) less the umbrella's
- * centre. pixel: the derivatives of x and y for one step to the right in the target, then for one step down. All in cells of the
- * level, and finite. Of info only bases and vertices are looked at; they and the umbrella keep the rules, as those of files do. */
+/* Sector, coverage and barycentric coordinates (umbrella.md section 3, steps 1 to 3) of the point (x, y) less the
+ * umbrella's centre. pixel: the derivatives of x and y for one step to the right in the target, then for one step down.
+ * All in cells of the level, and finite. Of info only bases and vertices are looked at; they and the umbrella keep the
+ * rules, as those of files do. */
 ZT_API void zt_umbrella_sector_at(const zt_umbrella_info *info, const zt_umbrella_level *level,
                                   const zt_umbrella *umbrella, double x, double y, const double pixel[4],
                                   zt_umbrella_sector *out);
@@ -595,8 +601,9 @@ ZT_API zt_result zt_query_extents(const zt_file *file, const zt_request *request
 
 typedef enum zt_filter { ZT_FILTER_TRILINEAR = 0, ZT_FILTER_BILINEAR = 1, ZT_FILTER_NEAREST = 2 } zt_filter;
 
-/* A texture ready for lookups: the reference implementation of ztex.md section 12, zipmap.md section 3, silmap.md section 6 and umbrella.md sections 4 and 5. Tiles are
- * decoded when a lookup first touches them and kept until the sampler is closed, within zt_limits.memory. */
+/* A texture ready for lookups: the reference implementation of ztex.md section 12, zipmap.md section 3, silmap.md
+ * section 6 and umbrella.md sections 4 and 5. Tiles are decoded when a lookup first touches them and kept until the
+ * sampler is closed, within zt_limits.memory. */
 typedef struct zt_sampler zt_sampler;
 
 typedef struct zt_sampler_options {
@@ -605,8 +612,8 @@ typedef struct zt_sampler_options {
     uint32_t max_anisotropy;   /* 0 and 1: isotropic; at most 16; with ZT_FILTER_TRILINEAR only */
     uint32_t layer;            /* layer of the texture: base colour, normal ... (zt_get_layer) */
     uint32_t first_patch_only; /* 1: the root alone */
-    /* Umbrellas (umbrella.md section 4, step 5): a displacement towards the light, in cells of level 0, and how dark shadows are: 0 (none) to 1. Where patches or bases show
-     * umbrellas there are no shadows. */
+    /* Umbrellas (umbrella.md section 4, step 5): a displacement towards the light, in cells of level 0, and how dark
+     * shadows are: 0 (none) to 1. Where patches or bases show umbrellas there are no shadows. */
     double light_x, light_y, shadow;
 } zt_sampler_options;
 
@@ -629,8 +636,9 @@ typedef struct zt_point {
  * zt_decode_region. On an error out is undefined. */
 ZT_API zt_result zt_sample(const zt_sampler *sampler, const zt_point *points, size_t count, float *out, zt_diag *diag);
 
-/* A ray through the prism over umbrellas (umbrella.md section 5): texture coordinates and height, in cells of level 0, where it enters and where it leaves, and the footprints of a
- * pixel there, in cells of level 0. It leaves on the ground if z1 is 0. Texture coordinates may leave the unit square. */
+/* A ray through the prism over umbrellas (umbrella.md section 5): texture coordinates and height, in cells of level 0,
+ * where it enters and where it leaves, and the footprints of a pixel there, in cells of level 0. It leaves on the
+ * ground if z1 is 0. Texture coordinates may leave the unit square. */
 typedef struct zt_ray {
     double u0, v0, z0;
     double u1, v1, z1;
@@ -652,8 +660,9 @@ typedef struct zt_hit {
     uint32_t umbrella; /* number within level 0, or ZT_NONE */
 } zt_hit;
 
-/* Traces count rays; pictures are looked up trilinearly whatever the sampler's filter. What is not an umbrella has t = 1. A ray that is not finite, or that has not ended after
- * 2^22 cells and entries of lists, hits nothing. Errors: ZT_BAD_ARGUMENT (also for textures of other kinds); those of zt_sample. */
+/* Traces count rays; pictures are looked up trilinearly whatever the sampler's filter. What is not an umbrella has t
+ * = 1. A ray that is not finite, or that has not ended after 2^22 cells and entries of lists, hits nothing. Errors:
+ * ZT_BAD_ARGUMENT (also for textures of other kinds); those of zt_sample. */
 ZT_API zt_result zt_sample_rays(const zt_sampler *sampler, const zt_ray *rays, size_t count, zt_hit *out,
                                 zt_diag *diag);
 

@@ -187,24 +187,24 @@ typedef struct zt_silmap_desc {
     const uint32_t *minified; /* one for each layer or ZT_NONE: cells_x x cells_y texels; NULL: none */
 } zt_silmap_desc;
 
-/* A silmap: desc->layers gives the semantics. Everything is copied. Cells without a cut arm are written as ZT_SILMAP_DEFAULT,
- * whatever their point. Errors as zt_writer_add_texture. */
+/* A silmap: desc->layers gives the semantics. Everything is copied. Cells without a cut arm are written as
+ * ZT_SILMAP_DEFAULT, whatever their point. Errors as zt_writer_add_texture. */
 ZT_API zt_result zt_writer_add_silmap(zt_writer *writer, const zt_texture_desc *desc, const zt_silmap_desc *silmap,
                                       zt_diag *diag, uint32_t *texture);
 
-/* Umbrellas: desc->layers gives the one semantic. Everything is copied from info but what follows from the rest, which may
- * hold anything:
- * - of levels width, height, first_umbrella and first_cell; of bases and umbrellas first_vertex, first_colour and, unless it is
- *   ZT_NONE, first_morph; arrays are in the order of what owns them, without gaps;
+/* Umbrellas: desc->layers gives the one semantic. Everything is copied from info but what follows from the rest, which
+ * may hold anything:
+ * - of levels width, height, first_umbrella and first_cell; of bases and umbrellas first_vertex, first_colour and,
+ *   unless it is ZT_NONE, first_morph; arrays are in the order of what owns them, without gaps;
  * - explicit_colour_count (explicit_vertex_count and one for each umbrella with vertices), cell_count, longest_list.
  * list_starts begins with 0; lists are sorted (R8315). There are at most 2^30 - 1 explicit vertices and entries.
  * Errors as zt_writer_add_texture. */
 ZT_API zt_result zt_writer_add_umbrellas(zt_writer *writer, const zt_texture_desc *desc, const zt_umbrella_info *info,
                                          zt_diag *diag, uint32_t *texture);
 
-/* Texels for level 0 of a minified image (silmap.md section 7): cells_x x cells_y x 4 floats out of the samples, four floats each, both
- * premultiplied linear light. One layer of cells. samples_x and samples_y are cells_x and cells_y, or one more (not repeating).
- * Errors: ZT_BAD_ARGUMENT. */
+/* Texels for level 0 of a minified image (silmap.md section 7): cells_x x cells_y x 4 floats out of the samples, four
+ * floats each, both premultiplied linear light. One layer of cells. samples_x and samples_y are cells_x and cells_y, or
+ * one more (not repeating). Errors: ZT_BAD_ARGUMENT. */
 ZT_API zt_result zt_minify_silmap(const uint8_t *cells, uint32_t cells_x, uint32_t cells_y, const float *samples,
                                   uint32_t samples_x, uint32_t samples_y, float *out);
 
@@ -248,8 +248,8 @@ typedef struct zt_recover_report {
     uint32_t chunks_intact;   /* TEXL: when all of its tiles are */
     uint64_t tiles, tiles_copied, tiles_replaced;
     uint32_t textures_kept;
-    uint32_t
-        textures_lost; /* they, or their patches, could not be read. Unknown, hence 0, when TEXS is lost: textures_kept is 0 then */
+    uint32_t textures_lost; /* they, or their patches, could not be read. Unknown, hence 0, when TEXS is lost:
+                               textures_kept is 0 then */
     uint32_t
         textures_rebuilt;    /* textures "recovered N" that were added, one for each image that no kept texture shows */
     uint32_t metadata_pairs; /* kept */
@@ -275,11 +275,11 @@ ZT_API zt_result zt_find_chunks(const zt_io *io, const zt_limits *limits, void *
                                 int (*found)(void *user, const zt_chunk_info *chunk, int intact), zt_diag *diag);
 
 /* Puts what is intact of a damaged or truncated file into a writer, which must be fresh; finishing it is the caller's.
- * Chunks are found by the directory or, when its hash is wrong, by their heads, and trusted when their hashes are right;
- * TEXL is trusted tile by tile. Tiles that are intact, or of a codec that libzt does not know, are copied as they are
- * stored. Lost ones are filled as zt_fill says; where they are the coverage of patches, with zeros: transparent.
- * Errors: ZT_CORRUPT (no intact IMAG chunk: there is nothing to build on), ZT_BAD_ARGUMENT, ZT_NO_MEMORY, ZT_IO,
- * ZT_AGAIN, ZT_LIMIT, ZT_CANCELLED. options and diag may be NULL. */
+ * Chunks are found by the directory or, when its hash is wrong, by their heads, and trusted when their hashes are
+ * right; TEXL is trusted tile by tile. Tiles that are intact, or of a codec that libzt does not know, are copied as
+ * they are stored. Lost ones are filled as zt_fill says; where they are the coverage of patches, with zeros:
+ * transparent. Errors: ZT_CORRUPT (no intact IMAG chunk: there is nothing to build on), ZT_BAD_ARGUMENT, ZT_NO_MEMORY,
+ * ZT_IO, ZT_AGAIN, ZT_LIMIT, ZT_CANCELLED. options and diag may be NULL. */
 ZT_API zt_result zt_recover(const zt_io *io, zt_writer *writer, const zt_recover_options *options, zt_diag *diag,
                             zt_recover_report *out);
 

@@ -5,7 +5,8 @@
 
 #include "zipmap_private.h"
 
-/* A photograph: its coordinates in [0, 1] x [0, 1] to those of the world; pixels; exposure, darkening of the corners, noise. */
+/* A photograph: its coordinates in [0, 1] x [0, 1] to those of the world; pixels; exposure, darkening of the corners,
+ * noise. */
 typedef struct fractal_view {
     plane to_world;
     uint32_t width, height;

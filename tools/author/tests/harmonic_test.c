@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: author_harmonic gives the function of the discrete Laplace equation that the border fixes, in sizes of every kind, to 1e-4 of
- * the border's range, and leaves the border alone. It matters because every colour correction is this function: where it is wrong, a
- * patch shows a cloud that neither picture has.
+ * Property: author_harmonic gives the function of the discrete Laplace equation that the border fixes, in sizes of
+ * every kind, to 1e-4 of the border's range, and leaves the border alone. It matters because every colour correction is
+ * this function: where it is wrong, a patch shows a cloud that neither picture has.
  */
 #include "author_adjust.h"
 
@@ -11,7 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* sin(a x) sinh(b y) is discretely harmonic when 2 cos a + 2 cosh b = 4; so is the saddle x^2 - y^2, and so are their sums. */
+/* sin(a x) sinh(b y) is discretely harmonic when 2 cos a + 2 cosh b = 4; so is the saddle x^2 - y^2, and so are their
+ * sums. */
 static double known(int which, double x, double y, double size) {
     double a = 3.14159265358979 / size * 3.0, b = acosh(2.0 - cos(a));
     if (which == 0)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: the gradient density mask is what equations 2 and 3 of the paper say, found here a second time by trying every path until
- * nothing changes; it is 0 on the border, 1 behind edges as strong as tau, and the same with any number of threads. It matters because
- * the mask decides where the seam runs: a path that slips through an edge would put the seam across an object.
+ * Property: the gradient density mask is what equations 2 and 3 of the paper say, found here a second time by trying
+ * every path until nothing changes; it is 0 on the border, 1 behind edges as strong as tau, and the same with any
+ * number of threads. It matters because the mask decides where the seam runs: a path that slips through an edge would
+ * put the seam across an object.
  */
 #include "author_adjust.h"
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A zoom is found again among features that mislead: when many take the same place for theirs, when more of them agree on a wrong
- * size than on the right one, and when the finer picture of a pair is given first, so that the corners of the other one are beyond its horizon.
- * Photographs of plain things are lost otherwise. The argument is the module with OpenCV. */
+/* A zoom is found again among features that mislead: when many take the same place for theirs, when more of them agree
+ * on a wrong size than on the right one, and when the finer picture of a pair is given first, so that the corners of
+ * the other one are beyond its horizon. Photographs of plain things are lost otherwise. The argument is the module with
+ * OpenCV. */
 #include <assert.h>
 #include <dlfcn.h>
 #include <math.h>
@@ -13,7 +14,8 @@
 
 enum { WIDTH = 1000, HEIGHT = 800, RIGHT = 24, MOST = 128 };
 
-/* Features whose matches are known beforehand: feature i of one picture is taken for feature taken[i] of the other one. */
+/* Features whose matches are known beforehand: feature i of one picture is taken for feature taken[i] of the other
+ * one. */
 struct author_features {
     author_point points[MOST];
     uint32_t taken[MOST];

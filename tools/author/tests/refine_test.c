@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A homography that is some pixels off is brought to the right one, to a small part of a pixel, whatever the exposure, the vignetting,
- * the noise and the zoom: the places of all patches come from this. And two pictures of different things do not pass for one. */
+/* A homography that is some pixels off is brought to the right one, to a small part of a pixel, whatever the exposure,
+ * the vignetting, the noise and the zoom: the places of all patches come from this. And two pictures of different
+ * things do not pass for one. */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -38,8 +39,8 @@ static refine_result refine(author_run *run, const fractal_view *coarse, const f
     return out;
 }
 
-/* Where the coarse picture is an exact average, what is left is bias, from light that is not quite out. A chain of zooms multiplies
- * it, so that solving for place and light together must leave next to none. */
+/* Where the coarse picture is an exact average, what is left is bias, from light that is not quite out. A chain of
+ * zooms multiplies it, so that solving for place and light together must leave next to none. */
 static void test_bias(author_run *run, uint32_t zoom, double most) {
     fractal_view coarse = fractal_look(400, 300, 0.5, 0.5, 0.9, 4, 0.02);
     fractal_view fine = fractal_look(360, 270, 0.45, 0.55, 0.81 / zoom, 40, -0.05);
@@ -63,7 +64,8 @@ static void test_bias(author_run *run, uint32_t zoom, double most) {
 }
 
 int main(void) {
-    /* zoom, and the error that noise may leave, in pixels of the fine picture: it grows as the footprint shrinks to 60 texels */
+    /* zoom, and the error that noise may leave, in pixels of the fine picture: it grows as the footprint shrinks to 60
+     * texels */
     static const double cases[][2] = {{1, 0.05}, {2, 0.1}, {4, 0.4}, {8, 1}, {12, 3}};
     author_run run = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

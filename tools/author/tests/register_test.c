@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A heap of photographs of one world, with one of another world and one of repeated texture among them, becomes the right tree, each
- * picture in its place, and nothing else is placed; the result has the same bytes for any number of threads. This is what
- * `ztex make zipmap` promises. The argument is the module with OpenCV. */
+/* A heap of photographs of one world, with one of another world and one of repeated texture among them, becomes the
+ * right tree, each picture in its place, and nothing else is placed; the result has the same bytes for any number of
+ * threads. This is what `ztex make zipmap` promises. The argument is the module with OpenCV. */
 #include <assert.h>
 #include <dlfcn.h>
 #include <math.h>

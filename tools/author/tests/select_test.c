@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Of many photographs of several worlds, a quick look finds every pair of which one is a zoom into the other, among a few candidates for each
- * photograph, and the same ones for any number of threads: a pair that is not looked at is a place that is not found. The argument is
- * the module with OpenCV. */
+/* Of many photographs of several worlds, a quick look finds every pair of which one is a zoom into the other, among a
+ * few candidates for each photograph, and the same ones for any number of threads: a pair that is not looked at is a
+ * place that is not found. The argument is the module with OpenCV. */
 #include <assert.h>
 #include <dlfcn.h>
 #include <stdio.h>

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Properties of flat drawings as shapes: at every place there is the colour that painting one shape over the other gives, for both fill rules, for
- * shapes within others and for what is seen through, as a slow painter finds it point by point; the picture has the mean of that over each texel;
- * neither depends on threads; a fit is held to exact borders and pure colours; and shapes that cannot be are refused. It matters because the
- * fit takes these regions as the truth.
+ * Properties of flat drawings as shapes: at every place there is the colour that painting one shape over the other
+ * gives, for both fill rules, for shapes within others and for what is seen through, as a slow painter finds it point
+ * by point; the picture has the mean of that over each texel; neither depends on threads; a fit is held to exact
+ * borders and pure colours; and shapes that cannot be are refused. It matters because the fit takes these regions as
+ * the truth.
  */
 #include <math.h>
 #include <stdio.h>

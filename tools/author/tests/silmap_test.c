@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Properties of author_silmap_fit. Straight edges of every direction are held to less than the grid that points stand on, a square whose sides
- * are on that grid exactly; the colours of flat regions stay pure; a gradient gets no cuts; a line thinner than a cell is
- * reported; no picture gets worse than the bilinear texture of the same grid; and the bytes do not depend on threads. Every filter, number of channels, way to
- * repeat and size of grid gives a valid silmap; colours under alpha stay in their range; progress never goes back. An edge is held at the border as
- * well as inside; with paths_only nothing else is cut; hinting is worth it, is the same each time and moves nothing further than it says. It matters
- * because these are the reasons to make a silmap instead of a bilinear texture or a distance field.
+ * Properties of author_silmap_fit. Straight edges of every direction are held to less than the grid that points stand
+ * on, a square whose sides are on that grid exactly; the colours of flat regions stay pure; a gradient gets no cuts; a
+ * line thinner than a cell is reported; no picture gets worse than the bilinear texture of the same grid; and the bytes
+ * do not depend on threads. Every filter, number of channels, way to repeat and size of grid gives a valid silmap;
+ * colours under alpha stay in their range; progress never goes back. An edge is held at the border as well as inside;
+ * with paths_only nothing else is cut; hinting is worth it, is the same each time and moves nothing further than it
+ * says. It matters because these are the reasons to make a silmap instead of a bilinear texture or a distance field.
  */
 #include <math.h>
 #include <stdio.h>
@@ -332,7 +333,8 @@ static author_picture smooth(uint32_t edge, shade colour) {
 
 /* ---- borders, and where a drawing lies -------------------------------------------------------------------- */
 
-/* Mean distance of what cell (x, y) shows from the half plane; 0 where its edge does not pass. *soft gets the places that show neither side. */
+/* Mean distance of what cell (x, y) shows from the half plane; 0 where its edge does not pass. *soft gets the places
+ * that show neither side. */
 static double cell_error(const author_silmap_result *r, uint32_t x, uint32_t y, int *soft) {
     const int places = 37;
     zt_silmap_cell cell;
@@ -357,8 +359,9 @@ static float black_and_white(double x, double y, uint32_t channel) {
     return in_half(x, y) ? 1.0f : 0.0f;
 }
 
-/* An edge that leaves a texture that does not repeat is sharp to the last pixel, and held nearly as well as elsewhere: its last piece is at right angles
- * to the border (spec/silmap.md section 3), so that the point has to be near to it. */
+/* An edge that leaves a texture that does not repeat is sharp to the last pixel, and held nearly as well as elsewhere:
+ * its last piece is at right angles to the border (spec/silmap.md section 3), so that the point has to be near to
+ * it. */
 static void test_border(void) {
     double inner = 0, border = 0;
     int inner_count = 0, border_count = 0, soft = 0;
@@ -413,7 +416,8 @@ static int out_by_half_a_cell(double start, double size) {
     return start <= 0 && start >= -most && start + size >= 1 && start + size <= 1 + most;
 }
 
-/* The same place each time, not further off than is said, and worth it; what has no edges along the axes stays where it is. */
+/* The same place each time, not further off than is said, and worth it; what has no edges along the axes stays where it
+ * is. */
 static void test_hint(void) {
     author_run run = {0};
     author_silmap_options options = {.cells_x = CELLS, .cells_y = CELLS, .plain = 1};

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Properties of author_umbrella.h. What becomes a base is star-shaped in the file's integers, with and without a morph and its mixtures, and its outline covers all of
- * the element; the centre found is the one farthest from all sides, and where there is none the text names the vertex; a repair covers what was there. A
- * cell lists an umbrella if any place in it shows the umbrella, in 2-D or bent in 3-D, and never one that is farther than the eighth of a cell; also over sides that
- * repeat. Arrangement, lists and levels have the same bytes for any number of threads and each time; levels obey the limits they are given, and are
- * as good between the pixels of a grid as there, and as a mipmap.
- * It matters because a file is refused or shows holes where one of these fails, because nobody could repeat what a scene makes, and because hardly a lookup is in the middle
- * of a pixel that somebody has fitted.
+ * Properties of author_umbrella.h. What becomes a base is star-shaped in the file's integers, with and without a morph
+ * and its mixtures, and its outline covers all of the element; the centre found is the one farthest from all sides, and
+ * where there is none the text names the vertex; a repair covers what was there. A cell lists an umbrella if any place
+ * in it shows the umbrella, in 2-D or bent in 3-D, and never one that is farther than the eighth of a cell; also over
+ * sides that repeat. Arrangement, lists and levels have the same bytes for any number of threads and each time; levels
+ * obey the limits they are given, and are as good between the pixels of a grid as there, and as a mipmap. It matters
+ * because a file is refused or shows holes where one of these fails, because nobody could repeat what a scene makes,
+ * and because hardly a lookup is in the middle of a pixel that somebody has fitted.
  */
 #include <math.h>
 #include <stdio.h>
@@ -384,7 +385,8 @@ static void test_phases(void) {
             size_t x = i / 4 % 10, y = i / 40;
             CHECK(fabsf(phases.texels[4 * ((2 * y + 1) * 20 + 2 * x + 1) + i % 4] - pixels.texels[i]) < 1e-5f);
         }
-        /* A pixel is 8 texels wide: the one around (8, 8), the one around (10, 10), and the first one where the sides meet. */
+        /* A pixel is 8 texels wide: the one around (8, 8), the one around (10, 10), and the first one where the sides
+         * meet. */
         double second = 0, quarter = 0, first = 0;
         for (size_t i = 0; i < 64; i++) {
             size_t x = i % 8, y = i / 8;

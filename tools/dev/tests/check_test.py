@@ -45,6 +45,7 @@ FAULTS = [
     ('blanks', {'spec/ztex.md': '[R2001] Must. \n'}),
     ('blanks', {'spec/ztex.md': '[R2001]\tMust.\n'}),
     ('blanks', {'spec/ztex.md': '[R2001] Must.'}),
+    ('blanks', {'libzt/src/base_bytes.c': C + f'/* {"long " * 24}*/\n'}),
     ('banner', {'libzt/src/base_bytes.c': '#include "base_bytes.h"\n'}),
     ('banner', {'tools/run': '#!/bin/sh\necho\n'}),
     ('names', {'libzt/tests/base_bytes.c': C}),

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: pictures survive the way out and in again. Texels come back exactly wherever the format can hold them, straight alpha is
- * not multiplied on the way, equal input gives equal bytes, and a failed or abandoned write leaves no trace.
- * It matters because extract and make are only as exact as this layer. Usage: image_io_test FOLDER
+ * Property: pictures survive the way out and in again. Texels come back exactly wherever the format can hold them,
+ * straight alpha is not multiplied on the way, equal input gives equal bytes, and a failed or abandoned write leaves no
+ * trace. It matters because extract and make are only as exact as this layer. Usage: image_io_test FOLDER
  */
 #include "../image_io.h"
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is in a texture file, as JSON for the tests, straight from libzt, so that the tests of one verb do not lean on another.
- * Usage: ztex_probe FILE            everything but the texels, and the findings of a full check
- *        ztex_probe FILE IMAGE LEVEL   the decoded bytes of all layers
+ * What is in a texture file, as JSON for the tests, straight from libzt, so that the tests of one verb do not lean on
+ * another.
+ *
+ * Usage: ztex_probe FILE                         everything but the texels, and the findings of a full check
+ *        ztex_probe FILE IMAGE LEVEL             the decoded bytes of all layers
  *        ztex_probe FILE look LAYER FRAME EDGE   the first texture, looked up at EDGE x EDGE pixels: four floats each
  */
 #include <stdlib.h>

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Property: a flat drawing becomes shapes that have exactly the areas of what it draws: with transforms, nested groups, styles, both fill rules,
- * clips, what is seen through, strokes with their joins, caps and dashes. What is not flat is named and not taken, and a drawing that
- * was made to do harm ends in an error or a reason. It matters because silmaps are fitted to these shapes and to nothing else.
+ * Property: a flat drawing becomes shapes that have exactly the areas of what it draws: with transforms, nested groups,
+ * styles, both fill rules, clips, what is seen through, strokes with their joins, caps and dashes. What is not flat is
+ * named and not taken, and a drawing that was made to do harm ends in an error or a reason. It matters because silmaps
+ * are fitted to these shapes and to nothing else.
  */
 #include <math.h>
 #include <stdio.h>
