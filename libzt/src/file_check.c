@@ -217,8 +217,8 @@ zt_result zt__check_image(zt__sink *sink, const zt_limits *limits, const zt__ima
             offset + 26, "cube faces of %u x %u x %u texels in %u layers", r->width, r->height, r->depth, r->layers);
     ZT_RULE(sink, 6008, primaries_ok(r->primaries) && transfer_ok(r->transfer) && r->matrix == 0 && r->full_range == 1,
             offset + 27, "CICP %u/%u/%u/%u", r->primaries, r->transfer, r->matrix, r->full_range);
-    ZT_RULE(sink, 6008, !format || !format->is_srgb || r->transfer == 13, offset + 28, "transfer %u for %s",
-            r->transfer, format->name);
+    ZT_RULE(sink, 6008, !format || !format->is_srgb || r->transfer == ZT_TRANSFER_SRGB, offset + 28,
+            "transfer %u for %s", r->transfer, format->name);
     ZT_RULE(sink, 6001, r->reserved == 0, offset + 31, "a reserved byte is %u", r->reserved);
     return ZT_OK;
 }

@@ -320,7 +320,7 @@ zt_result zt_pack_texels(uint32_t format, const float *rgba, size_t count, void 
 }
 
 void zt__unpack_linear(const zt_format_info *format, uint32_t transfer, const void *src, size_t count, float *rgba) {
-    if (format->channel_bits == 8 && transfer == ZT__TRANSFER_SRGB) {
+    if (format->channel_bits == 8 && transfer == ZT_TRANSFER_SRGB) {
         unpack8(zt__srgb8_values, format->channels, src, count, rgba);
         return;
     }
@@ -342,7 +342,7 @@ void zt__pack_linear(const zt_format_info *format, uint32_t transfer, const floa
         pack_row(format, rgba, count, dst);
         return;
     }
-    if (format->channel_bits == 8 && transfer == ZT__TRANSFER_SRGB) {
+    if (format->channel_bits == 8 && transfer == ZT_TRANSFER_SRGB) {
         pack_srgb8(format->channels, rgba, count, dst);
         return;
     }

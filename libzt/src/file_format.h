@@ -8,11 +8,10 @@
 #include "zt/zt.h"
 
 /* CICP transfer numbers that code names (spec/registry.md). */
-enum { ZT__TRANSFER_UNSPECIFIED = 2, ZT__TRANSFER_LINEAR = 8, ZT__TRANSFER_SRGB = 13, ZT__TRANSFER_PQ = 16 };
 
 /* Coded values are linear light already. */
 static inline bool zt__transfer_is_identity(uint32_t transfer) {
-    return transfer == ZT__TRANSFER_UNSPECIFIED || transfer == ZT__TRANSFER_LINEAR;
+    return transfer == ZT_TRANSFER_UNSPECIFIED || transfer == ZT_TRANSFER_LINEAR;
 }
 
 /* Inverse transfer of the first three channels in place, count texels of four floats. */

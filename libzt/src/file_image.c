@@ -4,7 +4,7 @@
 #include "file_check.h"
 #include "file_write.h"
 
-enum { DEFAULT_EDGE = 256, DEFAULT_BLOCK_EDGE = 64, TRANSFER_SRGB = 13, TRANSFER_LINEAR = 8 };
+enum { DEFAULT_EDGE = 256, DEFAULT_BLOCK_EDGE = 64 };
 
 /* ---- declaring ----------------------------------------------------------------------------------------- */
 
@@ -67,7 +67,7 @@ static zt_result fill_record(const zt_image_desc *d, const zt_format_info *forma
     r->primaries = d->primaries ? d->primaries : 1;
     r->transfer = d->transfer;
     if (r->transfer == 0)
-        r->transfer = format && format->is_srgb ? TRANSFER_SRGB : TRANSFER_LINEAR;
+        r->transfer = format && format->is_srgb ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
     r->full_range = 1;
     r->levels = byte_of(d->levels ? d->levels : all_levels(r));
     return tile_log2_of(d, r, &r->tile_log2, diag);

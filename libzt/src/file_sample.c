@@ -57,7 +57,7 @@ static void init_image(zt__sample_image *s, const zt_file *file, uint32_t index)
     s->size[0] = r->width;
     s->size[1] = r->height;
     s->size[2] = r->depth > 1 ? r->depth : 0.0;
-    if (image->format->channel_bits == 8 && r->transfer == ZT__TRANSFER_SRGB)
+    if (image->format->channel_bits == 8 && r->transfer == ZT_TRANSFER_SRGB)
         s->table = zt__srgb8_values;
     else if (image->format->channel_bits == 8 && zt__transfer_is_identity(r->transfer))
         s->table = zt__unorm8_values;

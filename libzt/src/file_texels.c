@@ -17,7 +17,7 @@ void zt__texels_init(zt__texels *texels, const zt_format_info *format, uint32_t 
                      bool is_normal) {
     memset(texels, 0, sizeof *texels);
     texels->format = format;
-    texels->transfer = is_normal ? ZT__TRANSFER_LINEAR : transfer;
+    texels->transfer = is_normal ? ZT_TRANSFER_LINEAR : transfer;
     texels->straight = alpha_mode == ZT_ALPHA_STRAIGHT && format->has_alpha && !is_normal;
     texels->is_normal = is_normal;
     texels->least_alpha = 9.5367431640625e-7f; /* 2^-20 */

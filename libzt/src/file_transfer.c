@@ -101,9 +101,9 @@ static double decode(uint32_t transfer, double v) {
         return zt__power(v, 2.2);
     case 5:
         return zt__power(v, 2.8);
-    case ZT__TRANSFER_SRGB:
+    case ZT_TRANSFER_SRGB:
         return v <= 0.04045 ? v / 12.92 : zt__power((v + 0.055) / 1.055, 2.4);
-    case ZT__TRANSFER_PQ:
+    case ZT_TRANSFER_PQ:
         return pq_decode(v);
     default:
         return v;
@@ -122,9 +122,9 @@ static double encode(uint32_t transfer, double l) {
         return zt__power(l, 1.0 / 2.2);
     case 5:
         return zt__power(l, 1.0 / 2.8);
-    case ZT__TRANSFER_SRGB:
+    case ZT_TRANSFER_SRGB:
         return l <= 0.04045 / 12.92 ? l * 12.92 : 1.055 * zt__power(l, 1.0 / 2.4) - 0.055;
-    case ZT__TRANSFER_PQ:
+    case ZT_TRANSFER_PQ:
         return pq_encode(l);
     default:
         return l;
@@ -139,15 +139,15 @@ static float to_float(double v) {
 int zt_transfer_known(uint32_t transfer) {
     switch (transfer) {
     case 1:
-    case ZT__TRANSFER_UNSPECIFIED:
+    case ZT_TRANSFER_UNSPECIFIED:
     case 4:
     case 5:
     case 6:
-    case ZT__TRANSFER_LINEAR:
-    case ZT__TRANSFER_SRGB:
+    case ZT_TRANSFER_LINEAR:
+    case ZT_TRANSFER_SRGB:
     case 14:
     case 15:
-    case ZT__TRANSFER_PQ:
+    case ZT_TRANSFER_PQ:
         return 1;
     default:
         return 0;

@@ -471,7 +471,7 @@ static void apply_to_grid(author_grid *g, const fit *fits, const author_planes *
 /* ---- the report ---------------------------------------------------------------------------------------------- */
 
 static float coded(float value) {
-    return zt_transfer_encode(13, fminf(fmaxf(value, 0.0f), 1.0f));
+    return zt_transfer_encode(ZT_TRANSFER_SRGB, fminf(fmaxf(value, 0.0f), 1.0f));
 }
 
 static author_result measure(author_run *run, const author_grid *g, author_seam *seam) {

@@ -56,7 +56,7 @@ typedef struct search {
 static void fill_table(uint16_t *table) {
     for (int i = 0; i <= TABLE; i++) {
         float root = (float)i / TABLE;
-        table[i] = (uint16_t)(zt_transfer_encode(13, root * root) * CODES + 0.5f);
+        table[i] = (uint16_t)(zt_transfer_encode(ZT_TRANSFER_SRGB, root * root) * CODES + 0.5f);
     }
 }
 

@@ -17,7 +17,6 @@
 #define CLASSES (SILMAP_CLASSES(2) * SILMAP_CLASSES(2))
 #define ENTRIES 14 /* upper triangle of 4 x 4, right side */
 #define LEVELS 8   /* of mixtures, as displayed */
-#define SRGB 13
 
 static const silmap_pattern fit_pattern = {4, 1};
 
@@ -263,7 +262,7 @@ void silmap_colour_round(const silmap_model *model, const silmap_labels *labels,
         if (fabsf(coded - region->coded[ch]) <= 0.5f / LEVELS)
             *value = region->colour[ch];
         else
-            *value = ch < model->curve->colours ? zt_transfer_decode(SRGB, rounded) : rounded;
+            *value = ch < model->curve->colours ? zt_transfer_decode(ZT_TRANSFER_SRGB, rounded) : rounded;
     }
     limit_by_alpha(model);
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SRGB 13
 #define MOST_SHAPES ((size_t)1 << 20)
 #define MOST_EDGES ((size_t)1 << 24)
 #define FARTHEST 1e9 /* coordinates */
@@ -63,7 +62,7 @@ static void put_edges(const author_silmap_input *input, size_t s, silmap_truth *
 static void set_paint(const struct silmap_fills *fills, const author_silmap_shape *shape, silmap_paint *out) {
     float opacity = fminf(fmaxf(shape->opacity, 0), 1);
     for (uint32_t ch = 0; ch < fills->channels; ch++) {
-        float value = ch < fills->coded ? zt_transfer_encode(SRGB, shape->colour[ch]) : shape->colour[ch];
+        float value = ch < fills->coded ? zt_transfer_encode(ZT_TRANSFER_SRGB, shape->colour[ch]) : shape->colour[ch];
         out->value[ch] = opacity * ((int)ch == fills->alpha ? 1 : value);
     }
     out->keep = 1 - opacity;
@@ -297,6 +296,8 @@ void silmap_fills_texel(const struct silmap_fills *fills, const float value[SILM
     float alpha = fills->alpha >= 0 ? value[fills->alpha] : 1;
     for (uint32_t ch = 0; ch < fills->channels; ch++) {
         float straight = alpha > 0 ? fminf(value[ch] / alpha, 1) : 0;
-        texel[ch] = (int)ch == fills->alpha ? alpha : ch < fills->coded ? zt_transfer_decode(SRGB, straight) : straight;
+        texel[ch] = (int)ch == fills->alpha ? alpha
+                    : ch < fills->coded     ? zt_transfer_decode(ZT_TRANSFER_SRGB, straight)
+                                            : straight;
     }
 }

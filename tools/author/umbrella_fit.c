@@ -10,7 +10,6 @@
 
 #include "umbrella_level.h"
 
-#define SRGB 13
 #define STEPS 32           /* of conjugate gradients */
 #define PASSES 8           /* before each, colours that would leave 0 to 1 are fixed */
 #define DAMPING 0.002      /* of the mean diagonal: colours that nobody sees stay at their mean */
@@ -406,7 +405,8 @@ static void find_slopes(const fitting *f) {
     for (size_t p = 0; p < pixels; p++)
         for (size_t c = 0; c < 3; c++) {
             float value = f->truth->texels[4 * p + c];
-            f->slopes[c][p] = (zt_transfer_encode(SRGB, value + SLOPE_STEP) - zt_transfer_encode(SRGB, value)) /
+            f->slopes[c][p] = (zt_transfer_encode(ZT_TRANSFER_SRGB, value + SLOPE_STEP) -
+                               zt_transfer_encode(ZT_TRANSFER_SRGB, value)) /
                               SLOPE_STEP;
         }
 }

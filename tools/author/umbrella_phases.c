@@ -8,8 +8,6 @@
 
 #include "umbrella_private.h"
 
-#define SRGB 13
-
 static uint32_t into(int64_t at, uint32_t count, int repeat) {
     if (repeat)
         return (uint32_t)((at + count) % count);
@@ -47,7 +45,7 @@ author_result author_umbrella_phases(author_run *run, const author_picture *pict
 /* ---- errors ------------------------------------------------------------------------------------------------ */
 
 static double coded(double value) {
-    return (double)zt_transfer_encode(SRGB, (float)fmin(fmax(value, 0), 1));
+    return (double)zt_transfer_encode(ZT_TRANSFER_SRGB, (float)fmin(fmax(value, 0), 1));
 }
 
 void umb_add_error(author_phase_errors *errors, const author_picture *wanted, size_t texel, double shown) {

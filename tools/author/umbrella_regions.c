@@ -8,7 +8,6 @@
 
 #define SAMPLES 16 /* along a cell */
 #define PATCHES 4  /* of the ground along a cell */
-#define SRGB 13
 #define NOBODY UINT32_MAX
 
 typedef struct labelling {
@@ -93,7 +92,7 @@ static double into(double value, double length, int repeat) {
 static void add_colour(const author_picture *truth, const labelling *l, size_t sample, double colour[3]) {
     size_t x = sample % l->width * truth->width / l->width, y = sample / l->width * (truth->height / 2) / l->height;
     for (size_t c = 0; c < 3; c++)
-        colour[c] += (double)zt_transfer_encode(SRGB, truth->texels[4 * (y * truth->width + x) + c]);
+        colour[c] += (double)zt_transfer_encode(ZT_TRANSFER_SRGB, truth->texels[4 * (y * truth->width + x) + c]);
 }
 
 /* Samples of a region around its own mean, which may lie beyond a side that repeats. */

@@ -6,7 +6,6 @@
 
 #include "umbrella_private.h"
 
-#define SRGB 13
 #define LONGEST_SIDE 16384 /* of a picture whose outline is sought */
 
 /* ---- coverage by colour ------------------------------------------------------------------------------------- */
@@ -53,13 +52,14 @@ author_result author_umbrella_key(author_run *run, const author_picture *picture
     if (result != AUTHOR_OK)
         return result;
     for (int c = 0; c < 3; c++)
-        coded[c] = zt_transfer_encode(SRGB, (key ? key : own)[c]);
+        coded[c] = zt_transfer_encode(ZT_TRANSFER_SRGB, (key ? key : own)[c]);
     size_t count = (size_t)picture->width * picture->height;
     for (size_t i = 0; i < count; i++) {
         double most = 0;
         for (size_t c = 0; c < 3; c++)
-            most = fmax(most, fabs((double)zt_transfer_encode(SRGB, picture->texels[i * picture->channels + c]) -
-                                   (double)coded[c]));
+            most = fmax(most,
+                        fabs((double)zt_transfer_encode(ZT_TRANSFER_SRGB, picture->texels[i * picture->channels + c]) -
+                             (double)coded[c]));
         coverage->texels[i] = (float)fmin(most / tolerance, 1);
     }
     return AUTHOR_OK;

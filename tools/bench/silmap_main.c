@@ -220,7 +220,7 @@ static void write_crop(const job *j, const char *name, const float *texels, size
         bench_fail(path, "cannot be written");
     fprintf(file, "P6 %zu %zu 255\n", pixels, pixels);
     for (size_t i = 0; i < pixels * pixels * 3; i++) {
-        float value = zt_transfer_encode(13,
+        float value = zt_transfer_encode(ZT_TRANSFER_SRGB,
                                          fminf(fmaxf(texels[i / 3 * channels + (channels == 3 ? i % 3 : 0)], 0), 1));
         fputc((int)(value * 255 + 0.5F), file);
     }

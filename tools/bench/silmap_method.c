@@ -9,7 +9,7 @@
 
 #include "silmap_bench.h"
 
-enum { R8_UNORM = 9, RGB8_UNORM = 23, RGB8_SRGB = 29, SRGB = 13 };
+enum { R8_UNORM = 9, RGB8_UNORM = 23, RGB8_SRGB = 29 };
 
 const char *const method_names[METHOD_KINDS] = {"bilinear", "sdf", "msdf", "silmap", "uncut"};
 
@@ -24,7 +24,7 @@ static void must(zt_result result, const zt_diag *diag) {
 static uint8_t *code(uint32_t format, uint32_t channels, const float *linear, size_t count) {
     uint8_t *bytes = bench_alloc(count * channels, 1);
     for (size_t i = 0; i < count * channels; i++) {
-        float value = format == RGB8_SRGB ? zt_transfer_encode(SRGB, linear[i]) : linear[i];
+        float value = format == RGB8_SRGB ? zt_transfer_encode(ZT_TRANSFER_SRGB, linear[i]) : linear[i];
         bytes[i] = (uint8_t)(fminf(fmaxf(value, 0), 1) * 255 + 0.5F);
     }
     return bytes;

@@ -7,7 +7,7 @@
 
 #include "silmap_bench.h"
 
-enum { SRGB = 13, REACH = 5, CURVE = 8192 };
+enum { REACH = 5, CURVE = 8192 };
 
 static const double sigma = 1.5, c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
 
@@ -15,7 +15,7 @@ static void code(const float *linear, size_t count, uint32_t channels, uint32_t 
     static float curve[CURVE + 1];
     if (curve[CURVE] == 0)
         for (int i = 0; i <= CURVE; i++)
-            curve[i] = zt_transfer_encode(SRGB, (float)i / CURVE * ((float)i / CURVE));
+            curve[i] = zt_transfer_encode(ZT_TRANSFER_SRGB, (float)i / CURVE * ((float)i / CURVE));
     for (size_t i = 0; i < count; i++)
         out[i] = curve[(int)(sqrtf(fminf(fmaxf(linear[i * channels + channel], 0), 1)) * CURVE + 0.5F)];
 }

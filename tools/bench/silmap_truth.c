@@ -9,7 +9,6 @@
 #include "silmap_bench.h"
 
 enum {
-    SRGB = 13,
     FINER = 4,           /* drawings are rendered so many times finer in each direction, then averaged */
     STRIP = 512,         /* pixels of a part that is rendered at a time */
     OUTLINE_TEXELS = 16, /* of a cell, for the fit */
@@ -34,7 +33,7 @@ static author_picture load_photograph(const char *path) {
         bench_fail(path, "is too short");
     fclose(file);
     for (size_t i = 0; i < count; i++)
-        picture.texels[i] = zt_transfer_decode(SRGB, (float)bytes[i] / 255);
+        picture.texels[i] = zt_transfer_decode(ZT_TRANSFER_SRGB, (float)bytes[i] / 255);
     free(bytes);
     return picture;
 }
@@ -139,7 +138,7 @@ static void render_drawing(const truth *t, const window *w, int coded, float *ou
     double pixel = w->size / (double)w->pixels;
     size_t pitch = w->pixels * 3, part = w->pixels < STRIP ? w->pixels : STRIP, strips = (w->pixels + part - 1) / part;
     for (int i = 0; i < 256; i++)
-        curve[i] = coded ? (float)i / 255 : zt_transfer_decode(SRGB, (float)i / 255);
+        curve[i] = coded ? (float)i / 255 : zt_transfer_decode(ZT_TRANSFER_SRGB, (float)i / 255);
     for (size_t strip = 0; strip < strips * strips; strip++) {
         /* The last ones overlap those before them. */
         size_t x = strip % strips * part, y = strip / strips * part;
@@ -204,6 +203,6 @@ author_picture truth_picture(const truth *t, uint32_t cells) {
     /* As cairo draws it for ztex. */
     render_drawing(t, &whole, 1, picture.texels);
     for (size_t i = 0; i < pixels * pixels * 3; i++)
-        picture.texels[i] = zt_transfer_decode(SRGB, picture.texels[i]);
+        picture.texels[i] = zt_transfer_decode(ZT_TRANSFER_SRGB, picture.texels[i]);
     return picture;
 }

@@ -7,8 +7,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define SRGB 13
-
 int drawing_is_one(const char *path) {
     const char *dot = strrchr(path, '.');
     return dot && (strcasecmp(dot, ".svg") == 0 || strcasecmp(dot, ".svgz") == 0);
@@ -45,7 +43,7 @@ static void take_pixels(const uint8_t *rgba, size_t count, float *to) {
         if (i % 4 == 3)
             to[i] = alpha;
         else
-            to[i] = alpha > 0.0f ? zt_transfer_decode(SRGB, fminf(value / alpha, 1.0f)) : 0.0f;
+            to[i] = alpha > 0.0f ? zt_transfer_decode(ZT_TRANSFER_SRGB, fminf(value / alpha, 1.0f)) : 0.0f;
     }
 }
 

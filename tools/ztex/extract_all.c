@@ -50,7 +50,7 @@ const char *extract_exact_type(const extract_part *part) {
     int premultiplied = part->info.alpha_mode == ZT_ALPHA_PREMULTIPLIED;
     if (!format->is_float)
         return premultiplied || part->info.width > PNG_SIDE || part->info.height > PNG_SIDE ? "tif" : "png";
-    if (part->info.transfer == 8 && (format->channels < 4 || premultiplied))
+    if (part->info.transfer == ZT_TRANSFER_LINEAR && (format->channels < 4 || premultiplied))
         return "exr";
     return "tif"; /* OpenEXR knows neither straight alpha nor a fourth channel of data */
 }

@@ -303,7 +303,7 @@ static int open_texture(dzi_job *job) {
         return status;
     /* What is looked up has 8 bits in sRGB, or as the values are: levels of one picture shall not differ in kind. */
     job->exact = info.kind == ZT_KIND_IMAGE && job->part.format && !job->part.format->is_float &&
-                 (!job->part.is_colour || job->part.info.transfer == 13);
+                 (!job->part.is_colour || job->part.info.transfer == ZT_TRANSFER_SRGB);
     job->array_layer = (uint32_t)cmd_integer(job->args, "array-layer");
     if (job->array_layer >= job->part.info.layers)
         return cmd_usage(job->args, "--array-layer %u: there are %u, from 0 on", (unsigned)job->array_layer,
@@ -323,7 +323,7 @@ static void choose_style(dzi_job *job) {
     job->style = (render_style){.array_layer = job->array_layer,
                                 .w = 0.5,
                                 .gain = 1.0f,
-                                .transfer = part->is_colour ? 13 : 8,
+                                .transfer = part->is_colour ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR,
                                 .straight = job->channels == 4};
 }
 

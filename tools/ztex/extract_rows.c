@@ -163,14 +163,14 @@ static plan plan_of(const extract_part *part, const char *path) {
         if (part->info.alpha_mode == ZT_ALPHA_STRAIGHT)
             p.alpha = IMG_ALPHA_PREMULTIPLIED;
         if (zt_transfer_known(p.transfer))
-            p.transfer = 8;
+            p.transfer = ZT_TRANSFER_LINEAR;
         if (!format->is_float)
             p.type = format->channel_bits == 8 ? IMG_HALF : IMG_FLOAT;
     } else if (!is_tiff(path)) {
         p.alpha = part->info.alpha_mode == ZT_ALPHA_NONE ? IMG_ALPHA_NONE : IMG_ALPHA_STRAIGHT;
         if (format->is_float) {
             p.type = IMG_U16;
-            p.transfer = part->is_colour && p.transfer == 8 ? 13 : p.transfer;
+            p.transfer = part->is_colour && p.transfer == ZT_TRANSFER_LINEAR ? ZT_TRANSFER_SRGB : p.transfer;
         }
     }
     int same = (int)p.alpha == part->info.alpha_mode && p.transfer == part->info.transfer &&

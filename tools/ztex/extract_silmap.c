@@ -25,7 +25,7 @@ static void show_colours(const sketch *s, const zt_image_info *image) {
         float undo = image->alpha_mode == ZT_ALPHA_PREMULTIPLIED ? (alpha > 0.0f ? 1.0f / alpha : 0.0f) : 1.0f;
         for (int c = 0; c < 3; c++) {
             float value = s->colour ? zt_transfer_decode(image->transfer, rgba[c]) * undo : rgba[c];
-            value = s->colour ? zt_transfer_encode(13, value) : value;
+            value = s->colour ? zt_transfer_encode(ZT_TRANSFER_SRGB, value) : value;
             rgba[c] = value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f;
         }
         rgba[3] = image->alpha_mode == ZT_ALPHA_NONE ? 1.0f : alpha > 0.0f ? (alpha < 1.0f ? alpha : 1.0f) : 0.0f;

@@ -124,7 +124,7 @@ typedef struct sketch {
 } sketch;
 
 static unsigned coded(float value) {
-    float v = zt_transfer_encode(13, value);
+    float v = zt_transfer_encode(ZT_TRANSFER_SRGB, value);
     return (unsigned)((v > 0.0f ? (v < 1.0f ? v : 1.0f) : 0.0f) * 255.0f + 0.5f);
 }
 

@@ -29,7 +29,7 @@ char *heap_look_photo(const heap_report *report, uint32_t photo) {
     size_t count = (size_t)small.width * small.height;
     float *rgb = malloc(count * 3 * sizeof *rgb);
     for (size_t i = 0; rgb && i < 3 * count; i++)
-        rgb[i] = zt_transfer_encode(13, small.texels[small.channels == 1 ? i / 3 : i]);
+        rgb[i] = zt_transfer_encode(ZT_TRANSFER_SRGB, small.texels[small.channels == 1 ? i / 3 : i]);
     char *text = rgb ? encode_picture(report, rgb, small.width, small.height) : NULL;
     free(rgb);
     author_picture_release(&small);
@@ -56,7 +56,7 @@ static int view_of(const zt_file *file, const heap_seam *seam, render_view *view
 
 static char *render_text(const heap_report *report, const zt_sampler *sampler, const render_view *view,
                          const zt_image_info *root) {
-    render_style style = {.supersample = 1, .gain = 1.0f, .transfer = 13};
+    render_style style = {.supersample = 1, .gain = 1.0f, .transfer = ZT_TRANSFER_SRGB};
     zt_diag diag = {.offset = UINT64_MAX};
     char *text = NULL;
     render_size_complete(view, root->width, root->height, VIEW_EDGE, &style.width, &style.height);

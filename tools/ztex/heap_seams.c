@@ -202,7 +202,7 @@ static int by_size(const void *a, const void *b) {
 }
 
 static double coded(double light) {
-    return 255.0 * (double)zt_transfer_encode(13, (float)light);
+    return 255.0 * (double)zt_transfer_encode(ZT_TRANSFER_SRGB, (float)light);
 }
 
 /* Between the means of both, less `changes` times what the parent's would differ by if it were moved a little, in the

@@ -83,9 +83,9 @@ void find_colour(const OIIO::ImageSpec &spec, img_info &info) {
     copy_text(info.colour_space, space);
     float gamma = spec.get_float_attribute("oiio:Gamma", 0.0f);
     if (OIIO::Strutil::iequals(space, "sRGB"))
-        info.transfer = 13, info.primaries = 1;
+        info.transfer = ZT_TRANSFER_SRGB, info.primaries = 1;
     else if (OIIO::Strutil::iequals(space, "Linear") || OIIO::Strutil::iequals(space, "lin_srgb"))
-        info.transfer = 8, info.primaries = 1;
+        info.transfer = ZT_TRANSFER_LINEAR, info.primaries = 1;
     else if (OIIO::Strutil::iequals(space, "Rec709"))
         info.transfer = 1, info.primaries = 1;
     else if (std::fabs(gamma - 2.2f) < 0.01f)
@@ -337,9 +337,9 @@ colour_coding coding_of(const img_reader &r) {
     uint32_t transfer = r.info.transfer;
     bool integer = r.info.type == IMG_U8 || r.info.type == IMG_U16;
     if (transfer == 0 || !zt_transfer_known(transfer))
-        transfer = integer ? 13 : 8;
+        transfer = integer ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
     if (r.options.resize_data)
-        transfer = 8;
+        transfer = ZT_TRANSFER_LINEAR;
     return {transfer, r.info.channels, r.info.alpha_channel,
             r.info.alpha == IMG_ALPHA_STRAIGHT && !r.options.resize_data};
 }

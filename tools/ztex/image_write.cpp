@@ -111,9 +111,9 @@ void fix_time(OIIO::ImageSpec &spec) {
 }
 
 void set_colour(OIIO::ImageSpec &spec, const img_create_options &o, bool exr) {
-    if (o.transfer == 13)
+    if (o.transfer == ZT_TRANSFER_SRGB)
         spec.attribute("oiio:ColorSpace", "sRGB");
-    else if (o.transfer == 8)
+    else if (o.transfer == ZT_TRANSFER_LINEAR)
         spec.attribute("oiio:ColorSpace", "Linear");
     else if (o.transfer == 1)
         spec.attribute("oiio:ColorSpace", "Rec709");

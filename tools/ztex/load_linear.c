@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { LINEAR = 8, SRGB = 13 };
-
 /* Where a source pixel's stretch falls in the reduced picture: the first cell, and how much of the pixel lies in each
  * of the cells. A reduced cell is never smaller than a pixel, so there are at most two. */
 typedef struct share {
@@ -71,7 +69,7 @@ static author_result load(linear_job *job, img_reader *reader, uint64_t max_texe
     uint32_t width, height, channels = info->channels < 3 ? 1 : 3, transfer = info->transfer;
     choose_size(info, max_texels, &width, &height);
     if (!zt_transfer_known(transfer))
-        transfer = info->type == IMG_U8 || info->type == IMG_U16 ? SRGB : LINEAR;
+        transfer = info->type == IMG_U8 || info->type == IMG_U16 ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
     int failed = light_rows_open(&job->rows, reader, channels, transfer, info->type == IMG_U8 ? IMG_U8 : IMG_FLOAT);
     job->line = malloc((size_t)info->width * channels * sizeof *job->line);
     job->across = malloc((size_t)info->width * sizeof *job->across);

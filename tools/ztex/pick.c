@@ -106,7 +106,7 @@ static int describe_umbrellas(const zt_file *file, uint32_t texture, zt_image_in
                            .levels = 1,
                            .alpha_mode = opaque ? ZT_ALPHA_NONE : ZT_ALPHA_PREMULTIPLIED,
                            .primaries = 1,
-                           .transfer = 13};
+                           .transfer = ZT_TRANSFER_SRGB};
     return 0;
 }
 

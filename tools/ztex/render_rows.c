@@ -63,7 +63,7 @@ static void finish_pixel(const render_style *style, uint32_t x, uint32_t y, floa
     if (style->straight)
         for (int c = 0; c < 3; c++)
             p[c] = p[3] > 0.0f ? p[c] / p[3] : 0.0f;
-    if (style->transfer != 8)
+    if (style->transfer != ZT_TRANSFER_LINEAR)
         for (int c = 0; c < 3; c++)
             p[c] = zt_transfer_encode(style->transfer, p[c]);
 }

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#define SRGB 13
-
 /* ---- members of an object -------------------------------------------------------------------------------------- */
 
 int scene_real(make_scene *scene, const json_t *object, const char *pointer, const char *name, double low, double high,
@@ -78,7 +76,7 @@ int scene_colour(make_scene *scene, const json_t *value, const char *pointer, fl
                              text);
     for (int c = 0; c < 3; c++) {
         char pair[3] = {text[1 + 2 * c], text[2 + 2 * c], 0};
-        out[c] = zt_transfer_decode(SRGB, (float)strtoul(pair, NULL, 16) / 255.0f);
+        out[c] = zt_transfer_decode(ZT_TRANSFER_SRGB, (float)strtoul(pair, NULL, 16) / 255.0f);
     }
     return CMD_OK;
 }

@@ -125,7 +125,7 @@ static char *shown(const telling *report, int is_colour) {
                           .gain = 1.0f,
                           .background = is_colour ? BACKGROUND_PLAIN : BACKGROUND_NONE,
                           .plain = {0.2f, 0.2f, 0.2f},
-                          .transfer = is_colour ? 13 : 8};
+                          .transfer = is_colour ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR};
     render_view view = {0, 0, 1, 1};
     zt_sampler_options how = {.size = sizeof how, .filter = ZT_FILTER_TRILINEAR};
     zt_diag diag = {.offset = UINT64_MAX};

@@ -165,7 +165,7 @@ static void take_pixel(const loading *l, const uint8_t rgba[4], const float ligh
     }
     for (int c = 0; c < 3; c++) {
         float value = rgba[3] > 0 ? fminf(coded[c] / alpha, 1.0f) : 0.0f;
-        to[c] = l->out->plain ? value : rgba[3] == 255 ? light[rgba[c]] : zt_transfer_decode(13, value);
+        to[c] = l->out->plain ? value : rgba[3] == 255 ? light[rgba[c]] : zt_transfer_decode(ZT_TRANSFER_SRGB, value);
     }
     if (channels == 4)
         to[3] = alpha;
@@ -186,7 +186,7 @@ static int take_pixels(loading *l, const uint8_t *rgba, uint32_t width, uint32_t
     size_t count = (size_t)width * height, clear = 0;
     float light[256];
     for (int i = 0; i < 256; i++)
-        light[i] = zt_transfer_decode(13, (float)i / 255.0f);
+        light[i] = zt_transfer_decode(ZT_TRANSFER_SRGB, (float)i / 255.0f);
     for (size_t i = 0; i < count; i++)
         clear += rgba[4 * i + 3] < OPAQUE;
     int alpha = (clear || l->keep_alpha) && make_is_colour(l->semantic);
@@ -222,7 +222,7 @@ static void take_colour(const loading *l, author_silmap_shape *shape) {
     if (l->silmap->mask != SILMAP_COLOURS)
         shape->colour[0] = l->silmap->mask == SILMAP_ALPHA ? 1.0f : brightness(coded);
     for (int c = 0; c < 3 && l->silmap->mask == SILMAP_COLOURS && !l->out->plain; c++)
-        shape->colour[c] = zt_transfer_decode(13, coded[c]);
+        shape->colour[c] = zt_transfer_decode(ZT_TRANSFER_SRGB, coded[c]);
 }
 
 static int has_clear(const author_picture *picture) {

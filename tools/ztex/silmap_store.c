@@ -67,7 +67,7 @@ static int choose_coding(storing *s, uint32_t layer, const silmap_source *source
         return complain(s, "this format is stored only: ztex does not compress texels into blocks");
     if (c->format->is_srgb && !colour)
         return complain(s, "an SRGB format is for colours, not for values: take the UNORM format");
-    c->transfer = colour && !c->format->is_float ? 13 : 8;
+    c->transfer = colour && !c->format->is_float ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
     c->primaries = colour && o->primaries != MAKE_UNSET ? (uint32_t)o->primaries : 0;
     if (c->format->has_alpha && colour && o->alpha != ZT_ALPHA_NONE && (has_alpha || o->alpha != MAKE_UNSET))
         c->alpha = o->alpha == ZT_ALPHA_PREMULTIPLIED ? ZT_ALPHA_PREMULTIPLIED : ZT_ALPHA_STRAIGHT;

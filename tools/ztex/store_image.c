@@ -125,7 +125,7 @@ uint32_t make_transfer_of(const make_image *image, const img_info *info, uint32_
         return 8;
     if (info->transfer)
         return info->transfer;
-    return info->type == IMG_U8 || info->type == IMG_U16 ? 13 : 8;
+    return info->type == IMG_U8 || info->type == IMG_U16 ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
 }
 
 static const char *choose_transfer(const make_image *image, const img_info *info, const make_use *use, choice *c) {
@@ -134,9 +134,9 @@ static const char *choose_transfer(const make_image *image, const img_info *info
     if (c->format->is_srgb && !make_is_colour(use->semantic))
         return "an SRGB format is for colours, not for this semantic: take the UNORM format";
     if (c->format->is_srgb)
-        c->transfer_out = 13;
+        c->transfer_out = ZT_TRANSFER_SRGB;
     else if (o->format && c->format->is_float && o->transfer == MAKE_UNSET)
-        c->transfer_out = 8;
+        c->transfer_out = ZT_TRANSFER_LINEAR;
     if (c->transfer_in != c->transfer_out && !(zt_transfer_known(c->transfer_in) && zt_transfer_known(c->transfer_out)))
         return "the colours are coded in a way that cannot be converted to this format: say how "
                "with the option transfer, or take another format";
@@ -162,7 +162,7 @@ static const char *choose(const make_image *image, const img_info *info, const m
     if (use->role == ROLE_MASK || !make_is_colour(use->semantic))
         c->primaries = 0;
     if (use->role == ROLE_MASK) {
-        c->transfer_in = c->transfer_out = 8;
+        c->transfer_in = c->transfer_out = ZT_TRANSFER_LINEAR;
         return NULL;
     }
     if ((o->alpha == ZT_ALPHA_STRAIGHT || o->alpha == ZT_ALPHA_PREMULTIPLIED) && !c->format->has_alpha &&
@@ -210,7 +210,7 @@ static void set_up_rows(make_rows *rows, const img_info *info, const make_shape 
 static void set_up_ready(make_rows *rows, const make_use *use, float *table) {
     rows->ready = use->ready;
     rows->alpha_in = IMG_ALPHA_STRAIGHT;
-    rows->transfer_in = 8;
+    rows->transfer_in = ZT_TRANSFER_LINEAR;
     rows->direct = 0;
     for (int i = 0; i <= MAKE_TABLE; i++) {
         float root = (float)i / MAKE_TABLE;

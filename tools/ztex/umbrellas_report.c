@@ -10,7 +10,6 @@
 #include "report_parts.h"
 #include "umbrellas.h"
 
-#define SRGB 13
 #define SHOWN 480 /* pixels along the longer side of a level's picture, at least, by whole times */
 
 /* ---- JSON -------------------------------------------------------------------------------------------------- */
@@ -112,7 +111,7 @@ static int put_picture(const cmd_args *args, const char *beside, const author_pi
         size_t x = i % width / scale, y = i / width / scale;
         const float *from = picture->texels + 4 * ((2 * y + 1) * picture->width + 2 * x + 1);
         for (size_t c = 0; c < 3; c++)
-            rgb[3 * i + c] = zt_transfer_encode(SRGB, from[c] + 0.2f * (1.0f - from[3]));
+            rgb[3 * i + c] = zt_transfer_encode(ZT_TRANSFER_SRGB, from[c] + 0.2f * (1.0f - from[3]));
     }
     int status = report_put_picture(stream, report_picture(args, beside, "png", rgb, width, pixels[1] * scale),
                                     caption);

@@ -10,7 +10,6 @@
 #include "make_author.h"
 
 #define R8G8B8A8_SRGB 43
-#define SRGB 13
 #define DRAWN 1024     /* pixels along the longer side of a background that is drawn */
 #define SAMPLES 2      /* along each side of what the truth of level 1 is made of */
 #define MEAN_SAMPLES 2 /* where there is no level 1 */
@@ -46,7 +45,7 @@ static int put_rows(const storing *s, zt_writer *writer, uint32_t image, const a
     for (uint32_t y = 0; result == ZT_OK && y < picture->height; y++) {
         const float *from = picture->texels + y * count;
         for (size_t i = 0; i < count; i++)
-            coded[i] = i % 4 == 3 ? from[i] : zt_transfer_encode(SRGB, from[i]);
+            coded[i] = i % 4 == 3 ? from[i] : zt_transfer_encode(ZT_TRANSFER_SRGB, from[i]);
         result = zt_pack_texels(R8G8B8A8_SRGB, coded, picture->width, row);
         if (result == ZT_OK)
             result = zt_writer_put_rows(writer, image, row, 1, 0, &diag);

@@ -92,7 +92,7 @@ static int read_format(convert_job *job) {
         return cmd_usage(job->args, "--layer: there is no semantic '%s'", layer);
     if (transfer && (job->transfer = cmd_transfer_number(transfer)) < 0)
         return cmd_usage(job->args, "--transfer: there is no '%s'", transfer);
-    if (job->format->is_srgb && job->transfer >= 0 && job->transfer != 13)
+    if (job->format->is_srgb && job->transfer >= 0 && job->transfer != ZT_TRANSFER_SRGB)
         return cmd_usage(job->args, "--transfer: %s is coded as sRGB", job->format->name);
     return CMD_OK;
 }

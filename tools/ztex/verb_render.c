@@ -235,7 +235,7 @@ static int read_background(render_job *job) {
                          text);
     job->style.background = BACKGROUND_PLAIN;
     for (int c = 0; c < 3; c++)
-        job->style.plain[c] = zt_transfer_decode(13, (float)(rgb[c] / 255.0));
+        job->style.plain[c] = zt_transfer_decode(ZT_TRANSFER_SRGB, (float)(rgb[c] / 255.0));
     return CMD_OK;
 }
 
@@ -263,7 +263,7 @@ static int read_kind(render_job *job, const char *path) {
         return cmd_usage(job->args, "pictures with linear light have 16 or 32 bits");
     job->type = linear ? (bits == 1 ? IMG_HALF : IMG_FLOAT) : bits == 1 ? IMG_U16 : IMG_U8;
     /* Data stay as they are: a roughness of 0.5 shall not become another number in the picture. */
-    job->style.transfer = job->is_colour && !linear ? 13 : 8;
+    job->style.transfer = job->is_colour && !linear ? ZT_TRANSFER_SRGB : ZT_TRANSFER_LINEAR;
     job->style.gain = job->is_colour ? (float)exp2(cmd_real(job->args, "exposure")) : 1.0f;
     job->channels = format && format->channels == 1 ? 1 : 3;
     int alpha = job->root.alpha_mode != ZT_ALPHA_NONE || job->style.space;

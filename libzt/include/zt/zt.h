@@ -530,6 +530,14 @@ ZT_API const zt_format_info *zt_get_format(uint32_t i);
 ZT_API zt_result zt_unpack_texels(uint32_t format, const void *src, size_t count, float *rgba);
 ZT_API zt_result zt_pack_texels(uint32_t format, const float *rgba, size_t count, void *dst);
 
+/* Transfers that have a name here; registry.md has all. */
+typedef enum zt_transfer {
+    ZT_TRANSFER_UNSPECIFIED = 2,
+    ZT_TRANSFER_LINEAR = 8,
+    ZT_TRANSFER_SRGB = 13,
+    ZT_TRANSFER_PQ = 16
+} zt_transfer;
+
 /* CICP transfer (registry.md): coded value to linear light and back, mirrored for negative values. 1 when the number is
  * known. The results are the same on every machine: no libm decides them. */
 ZT_API int zt_transfer_known(uint32_t transfer);

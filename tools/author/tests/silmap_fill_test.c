@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "checks.h"
 #include "silmap_fill.h"
 
 #define W 24
@@ -19,14 +20,6 @@
 #define DRAWINGS 60
 #define MOST 12 /* shapes of a drawing */
 #define POINTS 7
-
-static int failures;
-
-#define CHECK(condition)                                                            \
-    do {                                                                            \
-        if (!(condition) && failures++ < 30)                                        \
-            fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
-    } while (0)
 
 /* ---- drawings ------------------------------------------------------------------------------------------- */
 

@@ -14,14 +14,7 @@
 #include <string.h>
 
 #include "author_silmap.h"
-
-static int failures;
-
-#define CHECK(condition)                                                            \
-    do {                                                                            \
-        if (!(condition) && failures++ < 30)                                        \
-            fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
-    } while (0)
+#include "checks.h"
 
 #define EDGE 128
 #define CELLS 16

@@ -16,14 +16,7 @@
 
 #include "author_umbrella.h"
 #include "umbrella_private.h"
-
-static int failures;
-
-#define CHECK(condition)                                                            \
-    do {                                                                            \
-        if (!(condition) && failures++ < 30)                                        \
-            fprintf(stderr, "%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
-    } while (0)
+#include "checks.h"
 
 #define EDGE 96
 
